@@ -29,7 +29,8 @@ fn main() -> std::io::Result<()> {
         fs::copy(Path::new("src/boards/qemu").join(memory), folder.join("memory.x"))?;
         // No interrupt has a name of its own.
         fs::write(folder.join("device.x"), "")?;
-        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody maps.
+        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody
+        // maps.
         for argument in [&format!("-L{}", folder.display()), "-Tlink.x", "--nmagic"] {
             println!("cargo::rustc-link-arg-bin={image}={argument}");
         }

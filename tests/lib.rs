@@ -2,23 +2,23 @@
 
 use std::path::Path;
 
-/// Name of a block of PROTOCOL.md and what makes it.
+/// Name of a block of PROTOCOL.md, and the function that renders it.
 pub type Block = (&'static str, fn() -> String);
 
-/// PROTOCOL.md as it is.
+/// Text of PROTOCOL.md.
 ///
 /// # Panics
-/// It cannot be read.
+/// Panics if it cannot be read.
 pub fn protocol() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../PROTOCOL.md");
     std::fs::read_to_string(path).expect("PROTOCOL.md")
 }
 
-/// Compares the blocks of PROTOCOL.md between `generated` marks with what makes them. `UPDATE=1`, set by `cargo xtask generate`, rewrites
-/// them.
+/// Compares the blocks of PROTOCOL.md between `generated` marks with the rendered ones. With `UPDATE=1`,
+/// which `cargo xtask generate` sets, it rewrites them.
 ///
 /// # Panics
-/// A block is missing or out of date.
+/// Panics if a block is missing or out of date.
 pub fn check_blocks(blocks: &[Block]) {
     let text = protocol();
     let mut fresh = text.clone();
@@ -30,7 +30,7 @@ pub fn check_blocks(blocks: &[Block]) {
     }
     if std::env::var_os("UPDATE").is_some() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../PROTOCOL.md");
-        // Whole at once: other tests read it meanwhile.
+        // Replaced as a whole: other tests read it meanwhile.
         let beside = path.with_extension("fresh");
         std::fs::write(&beside, &fresh).expect("PROTOCOL.md");
         std::fs::rename(&beside, path).expect("PROTOCOL.md");

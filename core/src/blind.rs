@@ -1,8 +1,9 @@
-//! Disables one row of the specification, for `cargo xtask effects`: the tests that the coverage table names for a row must then
-//! fail. No product contains it: without the feature `blind` the compiler answers every query here with false.
+//! Disables one row of the specification, for `cargo xtask effects`: the tests that the coverage table names
+//! for a row must then fail. No product contains it: without the feature `blind` the compiler answers every
+//! query here with false.
 
-/// Returns whether row `row` of `table` has no effect in this process. The environment variable `NARX_BLIND` names it, as in
-/// `parameter 13`.
+/// Returns whether row `row` of `table` has no effect in this process. The environment variable `NARX_BLIND`
+/// names it, as in `parameter 13`.
 ///
 /// | table | row | without its effect |
 /// |---|---|---|

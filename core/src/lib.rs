@@ -1,5 +1,5 @@
-//! The narx control core: a NarMotion-X drive for three-phase BLDC motors in fixed point, without heap, float in the
-//! control path, clock or panic. The same bits on every target.
+//! The narx control core: a NarMotion-X drive for three-phase BLDC motors in fixed point, without heap, float
+//! in the control path, clock or panic. The same bits on every target.
 //!
 //! ```text
 //!                          units  quantities over fixed point
@@ -24,16 +24,17 @@
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`, `storage`, `description`, `node`,
-//! `queue`, `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone, `blocks` on `motor`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`,
+//! `storage`, `description`, `node`, `queue`, `device`, `master`, `recording`; `eddycan` stands beside them
+//! on `bus` alone, `blocks` on `motor`.
 //!
-//! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
-//! take everything as arguments, time included, and return what they answer.
+//! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to
+//! the background. Both take everything as arguments, time included, and return what they answer.
 //!
-//! Features that are on by default and that a small board may leave out: `names` and `description` (texts), `log`, `scope` and its
-//! `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is left out is refused. Two features are off by default:
-//! `update` (programming over CAN) and `code-flash` (parameters in the flash that the code runs from). A third, `blind`, is for checking
-//! the tests.
+//! Features that are on by default and that a small board may leave out: `names` and `description` (texts),
+//! `log`, `scope` and its `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is
+//! left out is refused. Two features are off by default: `update` (programming over CAN) and `code-flash`
+//! (parameters in the flash that the code runs from). A third, `blind`, is for checking the tests.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,8 +1,8 @@
 //! The ends of a `heapless` queue, without a way to panic.
 //!
-//! An end sees its queue as a slice and divides by its length. The compiler cannot know that the length is not zero, so every use would
-//! carry a check for a division by zero and the text that reports it. Here a queue without places counts as both empty and full, and the
-//! check disappears.
+//! An end sees its queue as a slice and divides by its length. The compiler cannot know that the length is
+//! not zero, so every use would carry a check for a division by zero and the text that reports it. Here a
+//! queue without places counts as both empty and full, and the check disappears.
 
 use heapless::spsc::{Consumer, Producer};
 

@@ -31,7 +31,8 @@ macro_rules! quantity {
             pub const fn from_milli(milli: i32) -> Self {
                 Self::from_ratio(milli as i64, 1000)
             }
-            /// `numerator / denominator` of the unit, rounded to nearest, saturating; a denominator of 0 counts as 1.
+            /// `numerator / denominator` of the unit, rounded to nearest, saturating; a denominator of 0
+            /// counts as 1.
             pub const fn from_ratio(numerator: i64, denominator: i32) -> Self {
                 Self::from_bits(ratio(numerator, denominator))
             }
@@ -133,7 +134,8 @@ impl ElectricalAngle {
     }
 }
 
-/// Raw I16F16 of a quotient, rounded to nearest, halves away from zero, saturating; a denominator of 0 counts as 1.
+/// Raw I16F16 of a quotient, rounded to nearest, halves away from zero, saturating; a denominator of 0 counts
+/// as 1.
 #[inline(never)]
 pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     let denominator = if denominator == 0 { 1 } else { denominator as i64 };
@@ -150,8 +152,8 @@ pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     saturate64(quotient(if numerator < 0 { numerator - half } else { numerator + half }, denominator))
 }
 
-/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. `i64::MIN` / -1, which does not fit 64 bits, does not
-/// occur.
+/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. `i64::MIN` / -1, which does not
+/// fit 64 bits, does not occur.
 #[inline]
 pub(crate) const fn quotient(numerator: i64, denominator: i64) -> i64 {
     match numerator.checked_div(denominator) {

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::{env, fs};
 
-/// Images, and for each the file of the memory that it may use. The linker looks for `memory.x` in folders, so each image has a folder of its own.
+/// Images, and for each the file of the memory that it may use. The linker looks for `memory.x` in folders,
+/// so each image has a folder of its own.
 const IMAGES: [(&str, &str); 4] =
     [("drive", "alone.x"), ("application", "slot.x"), ("bare", "slot.x"), ("boot", "boot.x")];
 
@@ -18,7 +19,8 @@ fn main() -> std::io::Result<()> {
         let folder = Path::new(&out).join(image);
         fs::create_dir_all(&folder)?;
         fs::copy(memory, folder.join("memory.x"))?;
-        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody maps.
+        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody
+        // maps.
         println!("cargo::rustc-link-arg-bin={image}=-L{}", folder.display());
         println!("cargo::rustc-link-arg-bin={image}=-Tlink.x");
         println!("cargo::rustc-link-arg-bin={image}=--nmagic");

@@ -1,4 +1,5 @@
-//! Gives the linker the memory of the emulated board and the layout of an image, when an image is what is built.
+//! Gives the linker the memory of the emulated board and the layout of an image, when an image is what is
+//! built.
 
 use std::path::Path;
 use std::{env, fs};

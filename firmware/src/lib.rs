@@ -7,9 +7,9 @@
 //!                           └─────────────────────────┘
 //! ```
 //!
-//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`self_test`] is what boards
-//! test of themselves; [`boards`] are those that need no silicon, [`owned`] is how an interrupt gets what is its own. A board on silicon is a package
-//! of its own.
+//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives;
+//! [`self_test`] is what boards test of themselves; [`boards`] are those that need no silicon, [`owned`] is
+//! how an interrupt gets what is its own. A board on silicon is a package of its own.
 #![no_std]
 
 pub mod board;

@@ -3,7 +3,8 @@
 use core::cell::RefCell;
 use critical_section::Mutex;
 
-/// A place in which `main` leaves something for an interrupt. Nobody else takes it out, so it is never found in use.
+/// A place in which `main` leaves something for an interrupt. Nobody else takes it out, so it is never found
+/// in use.
 pub struct Owned<T>(Mutex<RefCell<Option<T>>>);
 
 impl<T> Owned<T> {

@@ -31,7 +31,8 @@ impl Progress {
         self.0.fetch_or(task, Ordering::Relaxed);
     }
 
-    /// Returns whether every task has made progress; if so, forgets it, so that each has to make progress anew.
+    /// Returns whether every task has made progress; if so, forgets it, so that each has to make progress
+    /// anew.
     fn take_complete(&self) -> bool {
         let complete = self.0.load(Ordering::Relaxed) == CONTROL | CAN | BACKGROUND;
         if complete {

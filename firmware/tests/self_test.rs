@@ -181,7 +181,8 @@ fn two_clocks_agree_within_their_tolerance() {
 }
 
 proptest! {
-    /// Against the definition in 128 bits: over all that its arguments can say there is nothing that 64 do not hold.
+    /// Against the definition in 128 bits: over all that its arguments can say there is nothing that 64 do
+    /// not hold.
     #[test]
     fn clocks_of_any_rates_are_compared_exactly(
         counts in ends_and_between(u32::MAX), rate in ends_and_between(u16::MAX),

@@ -123,7 +123,8 @@ impl BackgroundSide for Side {
     }
 }
 
-/// Runs a device for `ticks` periods; `each` sees the board before each and says whether the control interrupt comes.
+/// Runs a device for `ticks` periods; `each` sees the board before each and says whether the control
+/// interrupt comes.
 fn run(ticks: u64, mut each: impl FnMut(u64, &mut Paper) -> bool) -> Side {
     let side = Side::default();
     let progress = Progress::new();

@@ -2,7 +2,8 @@
 //!
 //!     cargo run --release -p narx-sim --example driven -- hall|sensorless TICKS [PRESET]
 //!
-//! Start and acceleration come first; only `measured` counts (`valgrind --tool=callgrind --toggle-collect=driven::measured`).
+//! Start and acceleration come first; only `measured` counts (`valgrind --tool=callgrind
+//! --toggle-collect=driven::measured`).
 
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;

@@ -122,12 +122,14 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Powers up a drive on the plant; the configuration's parameters stand on its flash of 256 Mbit, the log is empty.
+    /// Powers up a drive on the plant; the configuration's parameters stand on its flash of 256 Mbit, the log
+    /// is empty.
     pub fn new(config: &BenchConfig) -> Self {
         Self::with_chip(config, Chip::new(&config.parameters))
     }
 
-    /// Powers up a drive on the plant with a flash from somewhere else: its content counts, and the configuration's parameters do not.
+    /// Powers up a drive on the plant with a flash from somewhere else: its content counts, and the
+    /// configuration's parameters do not.
     #[cfg(feature = "flash")]
     pub fn with_flash(config: &BenchConfig, flash: Flash<Sparse>) -> Self {
         Self::with_chip(config, Chip::with_flash(flash))
@@ -219,14 +221,15 @@ impl Bench {
         Recorder::new(RecordingBuffer::default(), &header, &state).ok()
     }
 
-    /// Returns this bench without a recorder: for the many runs of which only the outcome counts. [`Bench::recording`] is
-    /// then empty and [`Bench::digest`] 0.
+    /// Returns this bench without a recorder: for the many runs of which only the outcome counts.
+    /// [`Bench::recording`] is then empty and [`Bench::digest`] 0.
     #[must_use]
     pub fn without_recording(self) -> Self {
         Self { record: false, recorder: None, ..self }
     }
 
-    /// Returns this bench with a drive that has no bootloader: it is powered up anew, and cannot be programmed over CAN.
+    /// Returns this bench with a drive that has no bootloader: it is powered up anew, and cannot be
+    /// programmed over CAN.
     #[cfg(feature = "update")]
     #[must_use]
     pub fn without_programming(mut self) -> Self {
@@ -235,7 +238,8 @@ impl Bench {
         self
     }
 
-    /// Returns this bench, powered up anew, with a transcript of its node's inputs and queries: [`Bench::transcript`].
+    /// Returns this bench, powered up anew, with a transcript of its node's inputs and queries:
+    /// [`Bench::transcript`].
     #[cfg(feature = "transcripts")]
     #[must_use]
     pub fn with_transcript(mut self) -> Self {
@@ -244,8 +248,8 @@ impl Bench {
         self
     }
 
-    /// Transcript of the node's inputs and queries since it last booted, to be [run again](narx_core::recording::transcript); empty without
-    /// [`Bench::with_transcript`].
+    /// Transcript of the node's inputs and queries since it last booted, to be [run
+    /// again](narx_core::recording::transcript); empty without [`Bench::with_transcript`].
     #[cfg(feature = "transcripts")]
     pub fn transcript(&self) -> Vec<u8> {
         self.node.transcript()
@@ -346,7 +350,8 @@ impl Bench {
         }
     }
 
-    /// The node's requests to the flash. What one does happens at once, and is told when the flash would be ready.
+    /// The node's requests to the flash. What one does happens at once, and is told when the flash would be
+    /// ready.
     fn serve_flash(&mut self, now_ns: u64) {
         if self.report.as_ref().is_some_and(|(due, _)| *due <= now_ns)
             && let Some((_, report)) = self.report.take()
@@ -429,8 +434,8 @@ impl Bench {
         finished.unwrap_or_default().0
     }
 
-    /// Forgets what was recorded, and begins anew with the drive as it is now. The next restart ends it, if the bench was made
-    /// [without a recording](Self::without_recording).
+    /// Forgets what was recorded, and begins anew with the drive as it is now. The next restart ends it, if
+    /// the bench was made [without a recording](Self::without_recording).
     pub fn begin_recording(&mut self) {
         self.recorder = self.recorder();
     }

@@ -30,7 +30,8 @@ mod with_flash {
             Self { storage: Storage::new(flash) }
         }
 
-        /// Executes a request; returns its report and how long it takes, ns; `None` if the power fails on the way.
+        /// Executes a request; returns its report and how long it takes, ns; `None` if the power fails on the
+        /// way.
         pub(crate) fn execute(&mut self, request: Request) -> Option<(Report, u64)> {
             let report = finish(self.storage.execute(request));
             let busy = self.storage.flash().take_busy();

@@ -1,7 +1,7 @@
 //! Commissioning: from a motor's data sheet and the supply to a full parameter set, by design rules.
 //!
-//! Everything here works from nominal data, as an engineer with the data sheet would; it never looks at the plant. R, L and k are
-//! line to line in the DC (six-step) convention: `V = R I + k w`, `T = k I`.
+//! Everything here works from nominal data, as an engineer with the data sheet would; it never looks at the
+//! plant. R, L and k are line to line in the DC (six-step) convention: `V = R I + k w`, `T = k I`.
 
 use core::fmt;
 use heapless::Vec;
@@ -63,7 +63,7 @@ pub struct Nameplate {
 pub struct Commissioning {
     /// Factory values with the motor's own written over them.
     pub parameters: Parameters,
-    /// Where a limit of the drive holds the motor back.
+    /// Limits of the drive that hold the motor back.
     pub notes: Vec<Note, 5>,
     /// Largest set-point, mechanical rpm.
     pub speed_max: f64,
@@ -99,8 +99,8 @@ pub enum Note {
         /// Largest ripple, A peak to peak.
         ripple: f64,
     },
-    /// At every commutation the winding returns its energy to the bus, and a source that takes nothing back leaves it to
-    /// the 100 uF: more phase current would lift the bus to its over-voltage threshold.
+    /// At every commutation the winding returns its energy to the bus, and a source that takes nothing back
+    /// leaves it to the 100 uF: more phase current would lift the bus to its over-voltage threshold.
     CurrentForBus {
         /// Largest mean phase current, A.
         current: f64,
@@ -110,7 +110,8 @@ pub enum Note {
         /// Mechanical rpm.
         speed: f64,
     },
-    /// Sampled back-EMF needs four samples a sector; above this speed a sensorless motor needs comparators with capture.
+    /// Sampled back-EMF needs four samples a sector; above this speed a sensorless motor needs comparators
+    /// with capture.
     SpeedForSampling {
         /// Mechanical rpm.
         speed: f64,
@@ -156,7 +157,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// Why a motor cannot be commissioned.
+/// Reason why a motor cannot be commissioned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CommissioningError {
     /// The supply is outside the drive's 18 to 60 V (Table 2).
@@ -229,14 +230,15 @@ impl core::error::Error for CommissioningError {}
 
 /// Supply range of Table 2, V.
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
-/// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
+/// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not
+/// see, A.
 const PEAK: f64 = 11.4;
 /// And this much less without sensors, whose commutation is a few degrees off at times, A.
 const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
-/// Heat in the winding at the rated current, W, where no data sheet says it: half of the motors of `presets` have 5 to 7 W, none has less than 4.8 W, three have
-/// more than 13 W.
+/// Heat in the winding at the rated current, W, where no data sheet says it: half of the motors of `presets`
+/// have 5 to 7 W, none has less than 4.8 W, three have more than 13 W.
 const RATED_LOSS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
 const ELECTRICAL_RPM_MIN: f64 = 500.0 * 4.0;
@@ -246,7 +248,8 @@ const ELECTRICAL_MIN: f64 = ELECTRICAL_RPM_MIN / 60.0;
 const REPORTED_MAX: f64 = 32_767.0;
 /// Largest duty where ripple allows it.
 const DUTY_MAX: f64 = 0.95;
-/// Share of the voltage at the largest duty that the largest speed may take; the rest is left to the speed loop.
+/// Share of the voltage at the largest duty that the largest speed may take; the rest is left to the speed
+/// loop.
 const VOLTAGE_SHARE: f64 = 0.95;
 /// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
 const CURRENT_BANDWIDTH: f64 = 1257.0;
@@ -267,11 +270,13 @@ impl Nameplate {
 
     /// The parameter set for `mode`, with set-points up to `speed_max`, mechanical rpm.
     ///
-    /// Without it, a motor whose rated current is given gets the speeds at which it still carries that current; any other motor the speeds that it
-    /// reaches without load. [`Commissioning::torque`] says what load there is at each.
+    /// Without it, a motor whose rated current is given gets the speeds at which it still carries that
+    /// current; any other motor the speeds that it reaches without load. [`Commissioning::torque`] says what
+    /// load there is at each.
     ///
     /// # Errors
-    /// A supply or motor that the drive cannot run, or a largest speed that it does not reach without load, with the value and what would be allowed.
+    /// A supply or motor that the drive cannot run, or a largest speed that it does not reach without load,
+    /// with the value and what would be allowed.
     pub fn commission_up_to(
         &self,
         mode: Mode,
@@ -314,8 +319,9 @@ impl Nameplate {
         })
     }
 
-    /// Rated DC current, A: the given one, or else an estimate. Rated is the current whose heat the winding can get rid of; where no data sheet says it,
-    /// that heat is taken as 6 W (`R I^2`), and the current as no more than the drive's own 6 A.
+    /// Rated DC current, A: the given one, or else an estimate. Rated is the current whose heat the winding
+    /// can get rid of; where no data sheet says it, that heat is taken as 6 W (`R I^2`), and the current as
+    /// no more than the drive's own 6 A.
     pub fn rated_current(&self) -> f64 {
         self.rated_current.unwrap_or_else(|| fmin(sqrt(RATED_LOSS / self.motor.resistance), CONTINUOUS))
     }
@@ -353,12 +359,14 @@ impl Nameplate {
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
             write(p, low, d.speed_min)?;
-            // A limit at its factory value, 4000 rpm, is one of 4 pole pairs: the drive scales it to the motor's.
+            // A limit at its factory value, 4000 rpm, is one of 4 pole pairs: the drive scales it to the
+            // motor's.
             let scaled = self.motor.pole_pairs != 4 && libm::round(d.speed_max) == 4000.0;
             let most = if scaled { 4001.0 } else { d.speed_max };
             write(p, high, most)?;
         }
-        // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the sector stays blanked anyway.
+        // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the
+        // sector stays blanked anyway.
         let sector =
             f64::from(Board::BENCH.tick_rate) * 10.0 / (d.speed_max * f64::from(self.motor.pole_pairs));
         write(p, number::ZC_DISCARD, fmin(2.0, libm::floor(sector / 8.0)))?;
@@ -370,10 +378,10 @@ impl Nameplate {
         write(p, number::HALL_INTERPOLATION_SPEED, d.speed_min / 4.0)
     }
 
-    /// Speed loop. From voltage to speed the motor is `(1 / k) / (tau s + 1)`, `tau = J R / k^2`. The controller
-    /// `wc k (tau s + 1) / s` leaves the open loop `wc / s`: Kp = wc k tau = wc J R / k, Ki = wc k. The
-    /// bandwidth wc is what the speed measurement allows at the slowest speed: it averages a revolution of T, a delay of
-    /// T / 2, and wc T / 2 = 0.35 keeps 70 degrees of phase.
+    /// Speed loop. From voltage to speed the motor is `(1 / k) / (tau s + 1)`, `tau = J R / k^2`. The
+    /// controller `wc k (tau s + 1) / s` leaves the open loop `wc / s`: Kp = wc k tau = wc J R / k, Ki = wc
+    /// k. The bandwidth wc is what the speed measurement allows at the slowest speed: it averages a
+    /// revolution of T, a delay of T / 2, and wc T / 2 = 0.35 keeps 70 degrees of phase.
     fn write_gains(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         let m = &self.motor;
         let bandwidth = 0.7 * ELECTRICAL_MIN;
@@ -383,7 +391,8 @@ impl Nameplate {
         write(p, number::SPEED_KI_SL, ki)?;
         write(p, number::SPEED_KP_HES, kp * TWO_PI / 60.0)?;
         write(p, number::SPEED_KI_HES, ki * TWO_PI / 60.0)?;
-        // Current limiter: the winding is 1 / (R + L s), and pole-zero cancellation gives Kp = wc L, Ki = wc R.
+        // Current limiter: the winding is 1 / (R + L s), and pole-zero cancellation gives Kp = wc L, Ki = wc
+        // R.
         write(p, number::HV_CURRENT_KP, CURRENT_BANDWIDTH * m.inductance)?;
         write(p, number::HV_CURRENT_KI, CURRENT_BANDWIDTH * m.resistance)?;
         write(p, number::HV_CURRENT_SOFT_START, fmin(3.0, d.phase_current))
@@ -396,8 +405,9 @@ impl Nameplate {
         let lock = 0.75 * m.resistance * d.start_current;
         let set = self.open_loop_speed.unwrap_or(d.speed_min);
         let speed = set * TWO_PI / 60.0;
-        // With back-EMF in phase the open-loop level leaves the start current; without load the rotor runs ahead until
-        // back-EMF stands across, and then u^2 = (R I)^2 + e^2 must not ask for more than the phase may carry.
+        // With back-EMF in phase the open-loop level leaves the start current; without load the rotor runs
+        // ahead until back-EMF stands across, and then u^2 = (R I)^2 + e^2 must not ask for more than the
+        // phase may carry.
         let emf = m.torque_constant * speed;
         let across = m.resistance * 0.9 * d.phase_current;
         let level = fmin(m.resistance * d.start_current + emf, sqrt(across * across + emf * emf));
@@ -409,8 +419,8 @@ impl Nameplate {
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
         write(p, number::LOCK_DURATION, fmax(0.15, 5.0 * swing))?;
-        // A quarter of the torque accelerates; and the ramp is slow against the swing. A kick that is commutated on what is seen follows the
-        // rotor and may rise faster.
+        // A quarter of the torque accelerates; and the ramp is slow against the swing. A kick that is
+        // commutated on what is seen follows the rotor and may rise faster.
         let swings = if mode == Mode::Sensorless { 5.0 } else { 8.0 };
         let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, swings * swing), 0.2);
         write(p, number::OPEN_LOOP_RAMP, ramp)?;
@@ -465,8 +475,8 @@ impl Design {
         } else if crest < 0.8 * PEAK {
             push(notes, Note::CurrentForRipple { current: phase_current, ripple: widest });
         }
-        // L I^2 / 2 <= C (V_max^2 - V^2) / 2.
-        // Three quarters of it: at high duty part of the energy circulates in the bridge (measured on the bench).
+        // L I^2 / 2 <= C (V_max^2 - V^2) / 2. Three quarters of it: at high duty part of the energy
+        // circulates in the bridge (measured on the bench).
         let room = CAPACITANCE * (BUS_MAX * BUS_MAX - plate.supply * plate.supply);
         let returned = sqrt(fmax(room, 0.0) / (0.75 * m.inductance));
         if returned < fmin(phase_current, needed) {
@@ -498,7 +508,8 @@ impl Design {
 }
 
 impl Design {
-    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing, and no more current than leaves its crest room.
+    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing, and no more current than
+    /// leaves its crest room.
     fn leave_room_for_samples(
         &mut self,
         pole_pairs: u8,
@@ -520,9 +531,10 @@ impl Design {
 
 /// Mean phase current of a step over its crest, for steps of `length` winding time constants (L / R).
 ///
-/// While a phase hands over to the next, its current falls by `(D V + 2 e) / 3 L` and that of the phase which goes on by
-/// `(4 e - D V) / 3 L`; with `D V = 2 e` half as fast, so that commutation leaves half of the crest. The step makes up for it, from 1/2 to 1 along
-/// `end - (end - 1/2) exp(-t)`: three quarters in the mean if it is short, all of it if it is long.
+/// While a phase hands over to the next, its current falls by `(D V + 2 e) / 3 L` and that of the phase which
+/// goes on by `(4 e - D V) / 3 L`; with `D V = 2 e` half as fast, so that commutation leaves half of the
+/// crest. The step makes up for it, from 1/2 to 1 along `end - (end - 1/2) exp(-t)`: three quarters in the
+/// mean if it is short, all of it if it is long.
 fn mean_of_crest(length: f64) -> f64 {
     let left = exp(-length);
     let end = (1.0 - left / 2.0) / (1.0 - left);

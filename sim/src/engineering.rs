@@ -5,8 +5,8 @@ use core::fmt;
 use narx_core::dictionary::{Decimal, Dictionary, Parameter, Parameters};
 use narx_core::master::DescribedParameter;
 
-/// Scale of a parameter, between its value in its unit and its raw value: of a row of the dictionary, or as a drive describes
-/// it.
+/// Scale of a parameter, between its value in its unit and its raw value: of a row of the dictionary, or as a
+/// drive describes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale<'a> {
     /// Number on the wire.
@@ -32,7 +32,7 @@ pub struct Misfit<'a> {
     pub value: f64,
 }
 
-/// Why a value was not accepted; nothing has changed then.
+/// Reason why a value was not accepted; nothing has changed then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueError {
     /// There is no parameter of that number.
@@ -73,7 +73,8 @@ pub fn set(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), V
 /// As [`set`], for a value that somebody has entered: a fraction of a whole parameter is refused.
 ///
 /// # Errors
-/// An unknown number, not a number, a fraction of a whole parameter, or a value outside the parameter's range.
+/// An unknown number, not a number, a fraction of a whole parameter, or a value outside the parameter's
+/// range.
 pub fn enter(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), ValueError> {
     let raw = entered(number, value)?;
     parameters.set(number, raw as i32).map_err(|_| ValueError::Unknown { number })
@@ -88,10 +89,12 @@ pub fn raw(number: u16, value: f64) -> Result<i64, ValueError> {
     Scale::from(parameter).raw(value).map_err(|_| ValueError::OutOfRange { parameter, value })
 }
 
-/// As [`raw`], for a value that somebody has entered: 2.5 of a parameter without decimals is refused, not rounded.
+/// As [`raw`], for a value that somebody has entered: 2.5 of a parameter without decimals is refused, not
+/// rounded.
 ///
 /// # Errors
-/// An unknown number, not a number, a fraction of a whole parameter, or a value outside the parameter's range.
+/// An unknown number, not a number, a fraction of a whole parameter, or a value outside the parameter's
+/// range.
 pub fn entered(number: u16, value: f64) -> Result<i64, ValueError> {
     let parameter = Dictionary::row(number).ok_or(ValueError::Unknown { number })?;
     Scale::from(parameter).entered(value).map_err(|_| ValueError::OutOfRange { parameter, value })
@@ -145,7 +148,7 @@ impl<'a> Scale<'a> {
         Ok(raw)
     }
 
-    /// Whether the values have no decimals.
+    /// Returns whether the values have no decimals.
     pub const fn is_whole(&self) -> bool {
         self.exponent >= 0
     }

@@ -1,4 +1,5 @@
-//! A start and what a test engineer reads off it: the same short run for many motors, loads, parameters and faults.
+//! A start and what a test engineer reads off it: the same short run for many motors, loads, parameters and
+//! faults.
 
 use crate::commissioning::Mode;
 use crate::plant::{Injection, Observation};
@@ -47,7 +48,8 @@ impl Outcome {
     }
 }
 
-/// Results of a run. Times count from the Drive request, means are those of the last quarter; NaN stands for what was never reached.
+/// Results of a run. Times count from the Drive request, means are those of the last quarter; NaN stands for
+/// what was never reached.
 #[derive(Clone, Debug)]
 pub struct Figures {
     /// Outcome of the run.
@@ -158,7 +160,8 @@ impl Figures {
 const CHUNK: u64 = 1000;
 
 impl Experiment {
-    /// Runs it, as long as `goes_on` says so; `None` if it did not. The session is what the run leaves behind.
+    /// Runs it, as long as `goes_on` says so; `None` if it did not. The session is what the run leaves
+    /// behind.
     ///
     /// # Errors
     /// As [`SessionConfig::commission`].
@@ -193,7 +196,7 @@ impl Experiment {
 /// Values kept from the ticks of a run.
 struct Watch {
     target: f64,
-    /// Where the mode leads to.
+    /// Driving state to which the mode leads.
     running: State,
     begun: f64,
     before: State,
@@ -206,7 +209,7 @@ struct Watch {
     bus_voltage: (f64, f64),
     /// Speed over the last quarter, rpm.
     speed: (f64, f64),
-    /// Where the last quarter began.
+    /// Observation at the beginning of the last quarter.
     quarter: Option<Observation>,
 }
 

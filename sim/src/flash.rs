@@ -1,9 +1,10 @@
 //! A serial NOR flash: what it does to bits, how long it takes, and what a power cut leaves of it.
 //!
-//! * A program clears bits and never sets one, within pages of 256 bytes; an erase sets all bits of a subsector of 4 KiB, or
-//!   of a sector of 64 KiB where a range holds a whole one.
+//! * A program clears bits and never sets one, within pages of 256 bytes; an erase sets all bits of a
+//!   subsector of 4 KiB, or of a sector of 64 KiB where a range holds a whole one.
 //! * Every operation takes its time: [`Flash::take_busy`] says how long the chip has been busy.
-//! * The power fails at any byte of any operation. What the byte, or the piece of an erase, under way becomes is a [`Tear`].
+//! * The power fails at any byte of any operation. What the byte, or the piece of an erase, under way becomes
+//!   is a [`Tear`].
 
 use crate::random::Random;
 use core::fmt;
@@ -35,8 +36,8 @@ pub const MBYTE_256: [u8; 3] = [0x20, 0xBA, 0x22];
 /// A flash of 512 KiB: for boards that hold it in RAM, and for tests that look at every byte.
 pub const KBYTE_512: [u8; 3] = [0x20, 0xBA, 0x13];
 
-/// Returns the output of a future over simulated flash, which never waits, so that polling it once is enough. `None` for one that
-/// waits for something else.
+/// Returns the output of a future over simulated flash, which never waits, so that polling it once is enough.
+/// `None` for one that waits for something else.
 pub fn finish<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(answer) => Some(answer),
@@ -104,7 +105,7 @@ pub enum Tear {
     Garbage,
 }
 
-/// Why an operation failed.
+/// Reason why an operation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
     /// The power is gone, until [`Flash::restore_power`].
@@ -178,7 +179,8 @@ impl<M: Memory> Flash<M> {
         self.absent = absent;
     }
 
-    /// Lets the power fail in step `step` from now: each byte of a program is one, and each eighth of an erase.
+    /// Lets the power fail in step `step` from now: each byte of a program is one, and each eighth of an
+    /// erase.
     pub const fn cut_after(&mut self, steps: u64, tear: Tear) {
         self.cut = Some((self.steps + steps, tear));
     }
@@ -188,7 +190,7 @@ impl<M: Memory> Flash<M> {
         (self.off, self.cut) = (false, None);
     }
 
-    /// Whether the cut has happened.
+    /// Returns whether the cut has happened.
     pub const fn is_off(&self) -> bool {
         self.off
     }

@@ -1,5 +1,5 @@
-//! The flash inside a microcontroller (STM32G4, RM0440 section 3.3): words of 8 bytes that are programmed once an erase, pages, and a power
-//! that fails anywhere.
+//! The flash inside a microcontroller (STM32G4, RM0440 section 3.3): words of 8 bytes that are programmed
+//! once an erase, pages, and a power that fails anywhere.
 
 use crate::flash::{Memory, Tear};
 use crate::random::Random;
@@ -25,7 +25,7 @@ pub struct InternalFlash<M, const PAGE: usize = 2048> {
     random: Random,
 }
 
-/// Why an operation failed.
+/// Reason why an operation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InternalFlashError {
     /// The power is gone, until [`InternalFlash::restore_power`].
@@ -49,7 +49,8 @@ impl<M: Memory, const PAGE: usize> InternalFlash<M, PAGE> {
         (address..).zip(bytes).for_each(|(at, byte)| self.memory.set(at, *byte));
     }
 
-    /// Lets the power fail in step `steps` from now: each word that is programmed is one, and each page that is erased.
+    /// Lets the power fail in step `steps` from now: each word that is programmed is one, and each page that
+    /// is erased.
     pub const fn cut_after(&mut self, steps: u64, tear: Tear) {
         self.cut = Some((self.steps + steps, tear));
     }
@@ -59,7 +60,7 @@ impl<M: Memory, const PAGE: usize> InternalFlash<M, PAGE> {
         (self.off, self.cut) = (false, None);
     }
 
-    /// Whether the cut has happened.
+    /// Returns whether the cut has happened.
     pub const fn is_off(&self) -> bool {
         self.off
     }

@@ -1,4 +1,5 @@
-//! The bench: the real control core in a simulated world of motor, power stage, supply, load, sensors and CAN bus.
+//! The bench: the real control core in a simulated world of motor, power stage, supply, load, sensors and CAN
+//! bus.
 //!
 //! Everything but the trace builds without std and without heap, because the emulated board carries it too.
 #![no_std]

@@ -33,8 +33,9 @@ impl Random {
         self.gaussians()[0]
     }
 
-    /// Two independent ones of one draw. Each takes 32 bits of it: how many of 24 are set (variance 24/4), and a uniform number of 8
-    /// bits that fills the steps between (1/12), because a logarithm costs more than it tells here.
+    /// Two independent ones of one draw. Each takes 32 bits of it: how many of 24 are set (variance 24/4),
+    /// and a uniform number of 8 bits that fills the steps between (1/12), because a logarithm costs more
+    /// than it tells here.
     #[inline]
     pub fn gaussians(&mut self) -> [f64; 2] {
         const COUNTED: u64 = 0x00FF_FFFF_00FF_FFFF;

@@ -1,6 +1,8 @@
-//! Random plants for start-up statistics: a motor of the market that differs from its data sheet, on a random supply and load.
+//! Random plants for start-up statistics: a motor of the market that differs from its data sheet, on a random
+//! supply and load.
 //!
-//! Commissioning gets the data sheet; the plant gets what is drawn here. The same seed draws the same plant everywhere.
+//! Commissioning gets the data sheet; the plant gets what is drawn here. The same seed draws the same plant
+//! everywhere.
 
 use crate::commissioning::{Commissioning, Mode, Nameplate};
 use crate::engineering;
@@ -71,8 +73,9 @@ pub struct RandomPlant {
 }
 
 impl RandomPlant {
-    /// The sensorless plant of `seed`. Combinations that commissioning refuses or that have more friction and load than promised are drawn again,
-    /// which one of a hundred draws ends; should none do, there is no plant.
+    /// The sensorless plant of `seed`. Combinations that commissioning refuses or that have more friction and
+    /// load than promised are drawn again, which one of a hundred draws ends; should none do, there is no
+    /// plant.
     pub fn new(seed: u64, spread: &Spread) -> Option<Self> {
         let mut random = Random::new(seed);
         (0..100).find_map(|_| Self::draw(&mut random, spread, seed))
@@ -136,14 +139,15 @@ impl RandomPlant {
         })
     }
 
-    /// Winding temperature that this resistance would be of copper with the data sheet's value at 25 degrees Celsius.
+    /// Winding temperature that this resistance would be of copper with the data sheet's value at 25 degrees
+    /// Celsius.
     pub fn winding_temperature(&self) -> f64 {
         25.0 + (self.resistance - 1.0) / self.preset.motor.copper_drift
     }
 }
 
-/// Torque of the commissioned lock on the real motor at a supply of so many V, N m: its level over three quarters of the line-to-line resistance, times the
-/// constant. Nothing if the set has no level.
+/// Torque of the commissioned lock on the real motor at a supply of so many V, N m: its level over three
+/// quarters of the line-to-line resistance, times the constant. Nothing if the set has no level.
 pub fn lock_torque(commissioning: &Commissioning, motor: &MotorConfig, supply: f64) -> Option<f64> {
     let duty = engineering::value(&commissioning.parameters, number::LOCK_DUTY)? / 100.0;
     Some(motor.torque_constant * duty * supply / (0.75 * motor.resistance))

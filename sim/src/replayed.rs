@@ -1,4 +1,5 @@
-//! A recording that runs again, as a table: what the drive was given, what it answered, and what it thought meanwhile.
+//! A recording that runs again, as a table: what the drive was given, what it answered, and what it thought
+//! meanwhile.
 
 use crate::trace::{Signal, Trace};
 use alloc::string::{String, ToString};
@@ -6,8 +7,8 @@ use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal as DriveSignal}
 use narx_core::motor::{Drive, Samples, Status};
 use narx_core::recording::{Outputs, Player, Recording, ReplayError};
 
-/// Columns of a replay. Those of a bench's trace that a drive alone knows have the same names; what it measures is not
-/// what is, and its speeds are electrical, because a recording does not tell the pole pairs.
+/// Columns of a replay. Those of a bench's trace that a drive alone knows have the same names; what it
+/// measures is not what is, and its speeds are electrical, because a recording does not tell the pole pairs.
 pub const SIGNALS: [Signal; 17] = [
     Signal::double("time", "s"),
     Signal::single("state", ""),

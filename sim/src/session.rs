@@ -20,7 +20,8 @@ pub struct SessionConfig {
     pub motor: MotorConfig,
     /// Its rated DC current, A; without it [`Nameplate::rated_current()`] estimates one.
     pub rated_current: Option<f64>,
-    /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_up_to`]; without it commissioning finds it.
+    /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_up_to`]; without it commissioning
+    /// finds it.
     pub speed_max: Option<f64>,
     /// Load that the motor drives.
     pub load: LoadConfig,
@@ -107,7 +108,7 @@ impl SessionConfig {
     }
 }
 
-/// Why a session cannot be.
+/// Reason why a session cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SessionError {
     /// The motor cannot be commissioned.
@@ -147,7 +148,7 @@ pub struct Session {
     commissioning: Commissioning,
     /// The speed of a start that the drive is not ready for, rpm.
     start: Option<i32>,
-    /// When the drive will have seen two of the master's requests for Standby, ns.
+    /// Time at which the drive will have received two of the master's requests for Standby, ns.
     ready: u64,
     /// The image of the master's update.
     #[cfg(feature = "update")]
@@ -155,7 +156,8 @@ pub struct Session {
 }
 
 impl Session {
-    /// Powers up a commissioned drive. The master asks for Standby; it reads no parameters unless it is told to.
+    /// Powers up a commissioned drive. The master asks for Standby; it reads no parameters unless it is told
+    /// to.
     ///
     /// # Errors
     /// As [`SessionConfig::commission`].
@@ -181,8 +183,9 @@ impl Session {
         Self { bench: self.bench.without_recording(), ..self }
     }
 
-    /// Asks for a speed, rpm, negative in reverse. A drive that boots would spend the request (it takes no start from before
-    /// Standby), so it is then asked once it has been in Standby for two of the master's periods.
+    /// Asks for a speed, rpm, negative in reverse. A drive that boots would spend the request (it takes no
+    /// start from before Standby), so it is then asked once it has been in Standby for two of the master's
+    /// periods.
     pub const fn start(&mut self, rpm: i32) {
         self.start = Some(rpm);
     }

@@ -1,5 +1,5 @@
-//! The slots of the virtual drive and its bootloader: signatures, swaps and reverts are those of a board. The program in an image is not run;
-//! the drive takes its version and stays what it is.
+//! The slots of the virtual drive and its bootloader: signatures, swaps and reverts are those of a board. The
+//! program in an image is not run; the drive takes its version and stays what it is.
 
 use crate::bench::BenchNode;
 use crate::flash::Sparse;
@@ -22,7 +22,8 @@ type Flash = InternalFlash<Sparse>;
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
     server: Server<Flash>,
-    /// The factory image stands in the active slot: signing takes its time, and most drives never see an update.
+    /// The factory image stands in the active slot: signing takes its time, and most drives never see an
+    /// update.
     is_filled: bool,
     /// The drive's own version.
     version: Version,

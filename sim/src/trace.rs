@@ -51,7 +51,7 @@ impl Column {
             Self::Double(values) => values.len(),
         }
     }
-    /// Whether there is no row.
+    /// Returns whether there is no row.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -142,7 +142,7 @@ impl Trace {
         self.columns.first().map_or(0, Column::len)
     }
 
-    /// Whether there is no row.
+    /// Returns whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

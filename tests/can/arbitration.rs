@@ -1,4 +1,4 @@
-//! Who sends when.
+//! Tests of the arbitration: order and instants of frames.
 
 use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
@@ -11,7 +11,7 @@ const BIT_NS: u64 = 2_000;
 #[test]
 fn the_lowest_identifier_wins() {
     let id = 0x123;
-    // In the order in which arbitration must let them pass.
+    // Listed in the order in which arbitration must let them pass.
     let order = [
         standard(id - 1, &[1]),
         standard(id, &[2]),
@@ -33,7 +33,7 @@ fn the_lowest_identifier_wins() {
         let received = bus.receive(listener).unwrap();
         end += u64::from(frame_bits(frame)) * BIT_NS;
         assert_eq!((received.frame, received.sender), (*frame, *node));
-        // The end of the frame lies an intermission before the next start.
+        // A frame ends one intermission before the next start.
         assert_eq!(received.time_ns, end - 3 * BIT_NS);
     }
     assert_eq!(bus.receive(listener), None);
@@ -51,7 +51,7 @@ fn a_frame_under_way_is_not_interrupted() {
     bus.advance(1_000_000);
     assert_eq!(bus.receive(c).unwrap().sender, a);
     assert_eq!(bus.receive(c).unwrap().sender, b);
-    // A node does not receive its own.
+    // A node does not receive its own frame.
     assert_eq!(bus.receive(a).unwrap().sender, b);
     assert_eq!(bus.receive(a), None);
 }
@@ -132,7 +132,7 @@ fn load_of_periodic_frames() {
 }
 
 proptest! {
-    // However time is cut into steps, the same frames arrive at the same instants.
+    // The same frames arrive at the same instants, in whatever steps time advances.
     #[test]
     fn steps_do_not_matter(
         sends in prop::collection::vec((0..4usize, 0..1u16 << 11, 0..3_000_000u64), 1..40),

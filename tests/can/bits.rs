@@ -1,4 +1,4 @@
-//! Frame bits against vectors worked by hand, an independent encoder, and the known worst cases.
+//! Tests of frame bits against vectors worked by hand, an independent encoder, and the known worst cases.
 
 use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
@@ -9,7 +9,8 @@ fn text(bits: impl Iterator<Item = bool>) -> String {
     bits.map(|bit| if bit { '1' } else { '0' }).collect()
 }
 
-/// A frame written out field by field as text, CRC by polynomial division on the text, stuffed by replacing runs.
+/// Encodes a frame field by field as text, with the CRC by polynomial division on the text, and stuffing by
+/// replacing runs; returns it without and with stuff bits.
 fn by_text(frame: &Frame) -> (String, String) {
     let rtr = if frame.is_remote() { "1" } else { "0" };
     let head = match frame.id() {
@@ -31,11 +32,11 @@ fn by_text(frame: &Frame) -> (String, String) {
             stuffed.push('0');
         }
     }
-    // CRC delimiter, acknowledged, its delimiter, end of frame.
+    // CRC delimiter, acknowledgement, its delimiter, end of frame.
     (unstuffed, stuffed + "101" + "1111111")
 }
 
-/// Remainder of `bits` x^15 divided by the CRC-15 generator, long division on the digits.
+/// Remainder of `bits` x^15 divided by the CRC-15 generator, by long division on the digits.
 fn remainder(bits: &str) -> String {
     let generator = b"1100010110011001";
     let mut work: Vec<u8> = bits.bytes().chain([b'0'; 15]).collect();
@@ -51,8 +52,8 @@ fn remainder(bits: &str) -> String {
 
 #[test]
 fn worked_by_hand() {
-    // Identifier 0, no data: 19 zeros, whose CRC is 0. 34 zeros: stuffed after 5, then each stuff bit is followed
-    // by five zeros: after 5, 10, 15, 20, 25 and 30 zeros.
+    // Identifier 0, no data: 19 zeros, whose CRC is 0. That makes 34 zeros: a stuff bit comes after 5, then
+    // each stuff bit is followed by five zeros: after 5, 10, 15, 20, 25 and 30 zeros.
     let zero = standard(0, &[]);
     let wire = WireBits::new(&zero);
     assert_eq!(text(wire.unstuffed()), "0".repeat(34));
@@ -60,9 +61,9 @@ fn worked_by_hand() {
     assert_eq!(text(wire.on_wire()), "000001".repeat(6) + "0000" + "1011111111");
     assert_eq!(frame_bits(&zero), 47 + 6);
 
-    // One bit set at the end, DLC 1 and a data byte 0: what is left of x^8 x^15 by hand: 23 - 15 = 8 steps.
-    // The generator is x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1 = 0x4599 below x^15; doubling it modulo
-    // itself: 4599, 4eab, 58cf, 7407, 2d97, 5b2e, 73c5, 2213, 4426.
+    // One bit set at the end, DLC 1 and a data byte 0: the remainder of x^8 x^15 by hand takes 23 - 15 = 8
+    // steps. The generator is x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1 = 0x4599 below x^15; doubling it
+    // modulo itself gives: 4599, 4eab, 58cf, 7407, 2d97, 5b2e, 73c5, 2213, 4426.
     let wire = WireBits::new(&standard(0, &[0]));
     assert!(text(wire.unstuffed()).ends_with(&format!("0001{:08b}{:015b}", 0, 0x4426)));
 }
@@ -82,7 +83,7 @@ fn frame() -> impl Strategy<Value = Frame> {
         (0..1u16 << 11).prop_map(|id| Id::standard(id).unwrap()),
         (0..1u32 << 29).prop_map(|id| Id::extended(id).unwrap()),
     ];
-    // Bytes of long runs, so that stuffing is dense.
+    // Bytes with long runs of equal bits, so that stuffing is dense.
     let byte = prop_oneof![any::<u8>(), Just(0), Just(0xff), Just(0xf0), Just(0x0f), Just(0x78), Just(0x87)];
     let content = (any::<bool>(), prop::collection::vec(byte, 0..=8));
     (id, content).prop_map(|(id, (remote, data))| {
@@ -120,8 +121,9 @@ fn worst_case_formulas() {
     assert_eq!(worst_case_bits(false, 8), 135);
 }
 
-/// The longest frame found among those whose free bits change every four: after a stuff bit of one level come four
-/// bits of that level, so that every fifth bit is a stuff bit. The CRC is not free; many identifiers give many CRCs.
+/// Length of the longest frame among those whose free bits change every four: after a stuff bit of one level
+/// come four bits of that level, so that every fifth bit is a stuff bit. The CRC cannot be chosen; many
+/// identifiers give many CRCs.
 fn adversary(extended_id: bool, bytes: usize) -> u32 {
     let mut longest = 0;
     for id in 0..1u32 << 11 {

@@ -1,4 +1,4 @@
-//! Lines of candump logs: written, read, and refused.
+//! Tests of lines of candump logs: written, read, and refused.
 
 use crate::frames::{extended, standard};
 use narx_core::bus::candump::{Content, Line, ParseError, line};
@@ -44,7 +44,7 @@ fn what_other_writers_do_is_read() {
         ("(1436509052.249713) can0 1A2#DEAD R\r\n", 1_436_509_052.249_713, true, plain),
         ("(1436509052.249713) can0 1a2#dead T\n", 1_436_509_052.249_713, false, plain),
         ("  (1436509052.249713123)   can0\t1A2#DEAD", 1_436_509_052.249_713_2, true, plain),
-        // More digits than a float has: a division of rounded numbers gives a neighbour.
+        // More digits than a float has: dividing rounded numbers would give a neighbouring value.
         ("(1810185161.8982853) can0 1A2#DEAD", 1_810_185_161.898_285_3, true, plain),
         // 2^64 + 1.
         ("(18446744073709551617) can0 1A2#DEAD", 18_446_744_073_709_551_617.0, true, plain),
@@ -77,7 +77,7 @@ fn what_other_writers_do_is_read() {
         panic!("not an error frame")
     };
     assert_eq!((class, data.len(), data.bytes().nth(1)), (0x88, 4, Some(4)));
-    // As much as such frames can have, and nothing.
+    // The largest number of digits of such frames, and none.
     for (digits, id) in [(16, "20000088#"), (0, "20000088#"), (128, "123##1"), (0, "123##1")] {
         let text = format!("(1) c {id}{}", "5A".repeat(digits / 2));
         let read = parse(&text).unwrap().unwrap();

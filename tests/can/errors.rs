@@ -1,4 +1,4 @@
-//! Disturbed frames, lonely nodes, wrong bitrates, and what the counters make of them.
+//! Tests of disturbed frames, single nodes, wrong bitrates, and the error counters.
 
 use crate::frames::standard;
 use narx_sim::can::{Bus, ErrorState, frame_bits};
@@ -33,7 +33,7 @@ fn a_lone_node_turns_passive_and_keeps_trying() {
     assert_eq!(bus.error_state(a), Some(ErrorState::Passive));
     assert_eq!(bus.error_counters(a), Some((128, 0)));
     assert_eq!(bus.statistics().frames, 0);
-    // Somebody is plugged in: the frame arrives.
+    // A second node is connected: the frame arrives.
     let b = bus.attach().unwrap();
     bus.advance(101_000_000);
     assert!(bus.receive(b).unwrap().time_ns > 100_000_000);
@@ -58,7 +58,8 @@ fn thirty_two_errors_lead_to_bus_off_and_it_recovers() {
     assert!(bus.receive(b).is_some());
 }
 
-/// On a bus that others fill, the 11 recessive bits are those at the end of each frame.
+/// A node recovers from bus-off on a bus that others fill: the ends of frames have the required 11 recessive
+/// bits.
 #[test]
 fn a_full_bus_lets_a_node_recover_after_128_frames() {
     let mut bus = TestBus::new(500_000);
@@ -93,7 +94,7 @@ fn what_is_taken_back_is_not_sent() {
     for byte in 0..3 {
         bus.send(a, standard(5, &[byte]), 0).unwrap();
     }
-    // The first is on the wire and stays.
+    // The first frame is on the wire and stays.
     bus.advance(10_000);
     bus.discard(a);
     bus.advance(10_000_000);
@@ -114,7 +115,8 @@ fn one_identifier_for_two_is_an_error() {
 
 #[test]
 fn a_node_at_a_wrong_bitrate() {
-    // Listening, it destroys frames until its flags no longer count; then the bus runs without it.
+    // While it listens, it destroys frames until its error flags no longer count; then the bus runs without
+    // it.
     let mut bus = TestBus::new(500_000);
     let [a, b, foreign] = [0; 3].map(|_| bus.attach().unwrap());
     bus.set_bitrate(foreign, 250_000);
@@ -127,7 +129,7 @@ fn a_node_at_a_wrong_bitrate() {
     assert_eq!(std::iter::from_fn(|| bus.receive(b)).count(), 30);
     assert!(bus.statistics().errors >= 32, "{:?}", bus.statistics());
 
-    // Sending, it drives itself off the bus.
+    // When it sends, it goes bus-off.
     bus.send(foreign, standard(0, &[]), 1_000_000_000).unwrap();
     let before = bus.statistics();
     while bus.error_state(foreign) != Some(ErrorState::BusOff) {

@@ -1,4 +1,4 @@
-//! Frames and identifiers: what is asked of them, printed of them, and read back.
+//! Tests of frames and identifiers: their fields, their texts, and their stored form.
 
 use crate::frames::{extended, standard};
 use embedded_can::Frame as _;
@@ -13,13 +13,13 @@ fn a_frame_tells_what_it_was_made_of() {
         (standard(0x7FF, &[9; 7]), narrow, false, 7, &[9; 7], None),
         (extended(0x1FFF_FFFF, &eight), wide, false, 8, &eight, Some(eight)),
         (Frame::full(wide, eight), wide, false, 8, &eight, Some(eight)),
-        // It asks for eight bytes and has none.
+        // A remote frame requests eight bytes and has none.
         (Frame::remote(wide, 8).unwrap(), wide, true, 8, &[], None),
         (Frame::remote(narrow, 0).unwrap(), narrow, true, 0, &[], None),
     ] {
         assert_eq!((frame.id(), frame.is_remote(), frame.dlc()), (id, is_remote, dlc), "{frame:?}");
         assert_eq!((frame.payload(), frame.full_payload()), (payload, full), "{frame:?}");
-        // The same for drivers of the embedded world.
+        // `embedded_can` gives the same.
         assert_eq!(embedded_can::Frame::id(&frame), embedded_can::Id::from(id), "{frame:?}");
         assert_eq!((frame.is_extended(), frame.is_remote_frame()), (id == wide, is_remote), "{frame:?}");
         assert_eq!(
@@ -40,7 +40,7 @@ fn identifiers_and_frames_are_printed_as_analysers_do() {
     assert_eq!(text, "Frame { id: Id(1A2), remote: false, length: 1, data: [222, 0, 0, 0, 0, 0, 0, 0] }");
 }
 
-/// Bit 31 of the number says 29 bits.
+/// Bit 31 of an identifier's number marks 29 bits.
 #[test]
 fn identifiers_are_kept_as_a_number() {
     for (number, id) in [
@@ -58,7 +58,7 @@ fn identifiers_are_kept_as_a_number() {
     }
 }
 
-/// What no controller sends is no frame, wherever it was kept.
+/// A stored frame that no controller could send is refused.
 #[test]
 fn a_frame_is_kept_without_anything_behind_its_data() {
     let kept = |remote: bool, length: u8, data: [u8; 8]| {
@@ -75,7 +75,7 @@ fn a_frame_is_kept_without_anything_behind_its_data() {
     assert_eq!(kept(true, 9, [0; 8]), None);
 }
 
-/// The smaller identifier wins, and where the first 11 bits are the same the shorter one (ISO 11898-1).
+/// The smaller identifier wins and, if the first 11 bits are equal, the shorter one (ISO 11898-1).
 #[test]
 fn identifiers_sort_as_the_bus_arbitrates() {
     let order = [

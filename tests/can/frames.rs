@@ -1,4 +1,4 @@
-//! Data frames, written short.
+//! Short constructors of data frames.
 
 use narx_core::bus::{Frame, Id};
 

@@ -1,4 +1,5 @@
-//! Whole logs: every line is a frame or an error, whatever the number of threads, and wherever the file ends.
+//! Tests of whole logs: every line is a frame or an error, with any number of threads, and wherever the file
+//! ends.
 
 use narx_core::bus::candump::{Line, line};
 use narx_core::bus::narmotion::{Addresses, FromDrive, Measurement, ToDrive};
@@ -13,7 +14,7 @@ fn read(text: &[u8], threads: usize) -> CanLog {
     log
 }
 
-/// A line that is one of many things.
+/// Strategy of lines of many kinds.
 fn some_line() -> impl Strategy<Value = String> {
     let stamp = (0_u32..2_000_000_000, 0_u32..1_000_000).prop_map(|(s, us)| format!("({s}.{us:06})"));
     let frame = prop_oneof![
@@ -35,7 +36,8 @@ fn is_blank(line: &&str) -> bool {
     line.trim_ascii().is_empty()
 }
 
-/// Every frame is told of in one way: in a table, as unknown, malformed or an error frame.
+/// Checks that every frame is in exactly one place: in a table, or marked as unknown, malformed or an error
+/// frame.
 fn assert_all_there(log: &CanLog) {
     let rows: usize = log.tables.iter().map(|table| table.time.len()).sum();
     let in_tables = log.frames.message.iter().filter(|kind| **kind < Kind::Error as u8).count();
@@ -80,7 +82,8 @@ proptest! {
         let (whole, cut) = (read(text.as_bytes(), 1), read(&text.as_bytes()[..end], 1));
         let (kept, all) = (cut.frames.time.len(), whole.frames.time.len());
         prop_assert!(kept <= all);
-        // What stands behind a line end is as it was; of the rest nothing is made up silently but shorter data.
+        // Lines before the cut are unchanged. The last, incomplete line is at most read as a frame with less
+        // data.
         let complete = text[..end].matches('\n').count();
         let before = read(text[..end].rsplit_once('\n').map_or("", |(head, _)| &text[..head.len() + 1]).as_bytes(), 1);
         prop_assert_eq!(&cut.frames.id[..before.frames.id.len()], &before.frames.id[..]);
@@ -105,7 +108,7 @@ fn threads_change_nothing() {
             0 => ToDrive::MotorCommand { speed: at as u16 }.encode(Addresses::FACTORY),
             _ => FromDrive::Measurement(measurement).encode(Addresses::FACTORY),
         };
-        // Channels turn up late, in another order than in other parts.
+        // Channels begin late, and in other parts of the log in another order.
         let channel = channels[(at / 25_000) as usize];
         text += &format!("{}\n", line(at * 100_000, channel, &frame));
         if random.bits().is_multiple_of(1000) {

@@ -1,4 +1,4 @@
-//! The CAN bus model: bits, arbitration, errors and load; and logs of a bus.
+//! Tests of the CAN bus model (bits, arbitration, errors and load), and of logs of a bus.
 
 mod arbitration;
 mod bits;

@@ -1,11 +1,12 @@
-//! The serial line protocol of CAN adapters: what is written, what is read, and what is refused.
+//! Tests of the serial line protocol of CAN adapters: lines that are written, read and refused.
 
 use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::slcan::{Adapter, Channel, Command, Lines, NO, Settings, decode_frame, encode_frame};
 use proptest::prelude::*;
 
-/// What an adapter answers to all of `text`, as text with `!` for a refusal and `/` for the end of a line; and the frames that it sends.
+/// Gives all of `text` to an adapter. Returns its answer as text, with `!` for a refusal and `/` for the end
+/// of a line, and the frames that it sends.
 fn say(adapter: &mut Adapter, text: &str) -> (String, Vec<Frame>) {
     let mut replies = String::new();
     let mut frames = Vec::new();

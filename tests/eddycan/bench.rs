@@ -1,4 +1,4 @@
-//! A driver with its master beside it: what the suites share.
+//! A driver with its master beside it, shared by the suites.
 
 use narx_core::bus::eddycan::{
     Bitrate, Channels, CobId, FromNode, Layout, NmtCommand, NmtState, NodeId, PdoKind, Position, Reading,
@@ -8,10 +8,10 @@ use narx_core::bus::{Frame, Id};
 use narx_core::eddycan::{Configuration, Entry, MeasuringRange, Sample, TxDriver, Variant};
 
 pub(crate) const FIRMWARE: u16 = 0x0103;
-/// Samples a second of the benches.
+/// Samples per second of the benches.
 pub(crate) const RATE: u32 = 40_000;
 
-/// A driver that measures 0 to 4 mm on every channel.
+/// Variant of a driver that measures 0 to 4 mm on every channel.
 pub(crate) fn variant(channels: Channels) -> Variant {
     let range = MeasuringRange::new(mm(0), mm(4)).unwrap();
     Variant { channels, ranges: [range; 2], sample_rate: RATE, firmware: FIRMWARE }
@@ -25,7 +25,7 @@ pub(crate) fn node(raw: u8) -> NodeId {
     NodeId::new(raw).unwrap()
 }
 
-/// Factory values but for these.
+/// Factory values, except these.
 pub(crate) fn configured(values: &[(Entry, u32)]) -> Configuration {
     let mut configuration = Configuration::new();
     for &(entry, value) in values {
@@ -34,7 +34,7 @@ pub(crate) fn configured(values: &[(Entry, u32)]) -> Configuration {
     configuration
 }
 
-/// A frame as it is written: identifier and data bytes.
+/// Frame with this identifier and these data bytes.
 pub(crate) fn frame(id: u16, data: &[u8]) -> Frame {
     Frame::data(Id::standard(id).unwrap(), data).unwrap()
 }
@@ -45,14 +45,14 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    /// Powered up, the boot-up message taken, one sample seen.
+    /// Powers up a driver, takes its boot-up message, and gives it one sample.
     pub(crate) fn new(channels: Channels, values: &[(Entry, u32)]) -> Self {
         let mut bench = Self::dark(channels, values);
         bench.driver.handle_sample(SAMPLE);
         bench
     }
 
-    /// Without a sample yet.
+    /// Powers up a driver without a sample.
     pub(crate) fn dark(channels: Channels, values: &[(Entry, u32)]) -> Self {
         let mut bench = Self { driver: TxDriver::new(variant(channels), configured(values)), now: 1_000_000 };
         let id = CobId::Heartbeat(bench.driver.node()).encode();
@@ -104,7 +104,7 @@ impl Bench {
         self.frames().iter().map(|frame| decode(frame, node, layout)).collect()
     }
 
-    /// PDOs that come in a time, told at every microsecond they are due.
+    /// PDOs that are sent within a time; the driver is polled at every microsecond at which one is due.
     pub(crate) fn pdos(&mut self, duration: u64) -> Vec<(u64, PdoKind, Reading)> {
         let end = self.now + duration;
         let mut found = Vec::new();
@@ -126,7 +126,7 @@ impl Bench {
         self.messages()
     }
 
-    /// The outcome of a request that has exactly one answer.
+    /// Returns the outcome of a request that has exactly one answer.
     pub(crate) fn ask(&mut self, index: u16, subindex: u8, action: SdoAction) -> SdoOutcome {
         match self.sdo(index, subindex, action).as_slice() {
             [FromNode::Sdo(answer)] => {
@@ -149,14 +149,14 @@ impl Bench {
         self.ask(index, subindex, SdoAction::Write { size: None, data: value.to_le_bytes() })
     }
 
-    /// Writes an entry; it must be taken.
+    /// Writes an entry, which must be accepted.
     pub(crate) fn put(&mut self, entry: Entry, value: u32) {
         let object = entry.object();
         let outcome = self.write(object.index, object.subindex.unwrap_or(0), value);
         assert_eq!(outcome, SdoOutcome::Written, "{} = {value}", object.name);
     }
 
-    /// Restarts as a shell does: with what was stored.
+    /// Restarts as a shell does, with the stored values.
     pub(crate) fn restart(&mut self, stored: Configuration, channels: Channels) {
         self.driver = TxDriver::new(variant(channels), stored);
     }

@@ -1,4 +1,4 @@
-//! TX-Drivers among themselves at every bitrate, and one that runs at another one than the rest.
+//! Tests of TX-Drivers that run together at every bitrate, and of one with another bitrate than the rest.
 
 use crate::bench::{BITRATES, node};
 use crate::wired::{Wired, driver, read};
@@ -15,7 +15,7 @@ fn index(bitrate: Bitrate) -> (Entry, u32) {
     (Entry::BitrateIndex, bitrate as u32)
 }
 
-/// Messages that each node has sent.
+/// Runs the bus; returns the messages with the nodes that sent them.
 fn sent(wired: &mut Wired, milliseconds: u64) -> Vec<(u8, FromNode)> {
     wired.run(milliseconds).iter().filter_map(|received| read(&received.frame, LAYOUT)).collect()
 }
@@ -48,7 +48,8 @@ fn all_five_run_among_themselves() {
     }
 }
 
-/// It destroys what others send, hears nothing, and its own frames never arrive. The error counters take it off the bus; the others come back.
+/// A node with a wrong bitrate destroys the frames of others, receives nothing, and its own frames never
+/// arrive. Its error counters take it off the bus, and the others recover.
 #[test]
 fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
     for wrong in [Bitrate::K50, Bitrate::K250, Bitrate::M1] {
@@ -57,7 +58,8 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
         wired.run(10);
         wired.add(&driver(7, &[index(wrong)]));
         let foreign = wired.device(2).place();
-        // Its boot-up message goes on the wire and is destroyed there, 8 to the counter, until it is off the bus.
+        // Its boot-up message is destroyed on the wire, which adds 8 to the counter each time, until it is
+        // off the bus.
         let heard = sent(&mut wired, 2);
         assert!(heard.iter().all(|(node, _)| *node != 7), "{wrong:?}: {heard:?}");
         assert!(wired.bus.statistics().errors >= 16, "{wrong:?}: {:?}", wired.bus.statistics());
@@ -69,7 +71,8 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
             }
         }
         assert_eq!(worst, ErrorState::BusOff, "{wrong:?}");
-        // Back on the bus it only listens, and its error flags destroy what others send until it is error passive.
+        // Back on the bus it only listens, and its error flags destroy frames of others until it is error
+        // passive.
         let before = wired.bus.statistics().errors;
         wired.command(NmtCommand::Start);
         let other = wired.device(0).place();
@@ -88,7 +91,7 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
             [NmtState::Operational, NmtState::Operational, NmtState::PreOperational],
             "{wrong:?}: it has not heard the start"
         );
-        // The others have suffered, and work again.
+        // The others had errors, and work again.
         assert!(suffered, "{wrong:?}");
         wired.send(ToNode::Sync);
         let nodes: Vec<u8> = sent(&mut wired, 20).iter().map(|(node, _)| *node).collect();
@@ -96,7 +99,8 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
     }
 }
 
-/// A bitrate that is written acts after the reset, and then the node is gone for those who stay at the old one.
+/// A written bitrate takes effect after the reset; then the node is lost to the others, which keep the old
+/// one.
 #[test]
 fn a_node_that_was_given_another_bitrate_leaves_the_others() {
     let mut wired = Wired::new(Bitrate::K500);
@@ -114,8 +118,9 @@ fn a_node_that_was_given_another_bitrate_leaves_the_others() {
     assert_eq!(wired.device(0).driver().bitrate(), Bitrate::K250);
 }
 
-/// Whoever is driven off the bus by a neighbour at another bitrate tells of it, whatever was on the wire when: its message is often the very frame that is
-/// destroyed until the controller goes. It is tried again, but not by the neighbour, whom nobody would hear.
+/// A node that a neighbour at another bitrate drives off the bus reports this, at any phase of the traffic.
+/// Its message is often the very frame that is destroyed until the controller is off; it is sent again. The
+/// neighbour does not send its own again, because no node would receive it.
 #[test]
 fn a_victim_tells_of_it_at_every_phase() {
     let cases = [(1, 1), (1, 10), (3, 3), (3, 10)]
@@ -150,7 +155,7 @@ fn a_victim_tells_of_it_at_every_phase() {
         assert_eq!(suffered, !told.is_empty(), "{case}");
         assert!(told.iter().all(|(_, code)| *code == 0x8120), "{case}: {told:?}");
         assert!(told.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 990), "{case}: {told:?}");
-        // And then there is peace.
+        // After that there are no more errors.
         let before = wired.bus.statistics().errors;
         wired.run(100);
         assert_eq!(wired.bus.statistics().errors, before, "{case}");

@@ -1,4 +1,5 @@
-//! The driver's arithmetic of frame lengths against the bus model's, whose frames are laid out bit by bit.
+//! Tests of the driver's computation of frame lengths against the bus model's, whose frames are laid out bit
+//! by bit.
 
 use crate::bench::BITRATES;
 use narx_core::bus::eddycan::{CobId, FromNode, Layout, PdoKind, Position, Reading};
@@ -16,7 +17,7 @@ fn longest_frames_are_those_of_the_bus() {
 }
 
 proptest! {
-    /// No PDO takes longer, whatever it carries: so half of the bus is never exceeded.
+    /// No PDO takes longer than computed, with any content: so half of the bus is never exceeded.
     #[test]
     fn no_pdo_is_longer(first: i32, second: i32, encoder: u16, node in 1..=127_u8, layout in 0..4_usize) {
         let layout = Layout::ALL[layout];

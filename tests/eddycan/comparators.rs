@@ -1,4 +1,4 @@
-//! The switching outputs.
+//! Tests of the switching outputs.
 
 use crate::bench::{Bench, mm};
 use narx_core::bus::eddycan::{Channels, NmtState, Position};
@@ -12,7 +12,7 @@ fn outputs(bench: &mut Bench, first: Position, second: Position) -> [bool; 2] {
     bench.driver.outputs()
 }
 
-/// The benches measure 0 to 4 mm: a half is 2 mm, and at it the output is still low.
+/// Half of the range of 0 to 4 mm is 2 mm, and exactly there the output is still low.
 #[test]
 fn two_channels_have_one_comparator_each() {
     let values = [(Entry::Comparator1, ONE / 2), (Entry::Comparator2, ONE / 4)];
@@ -31,7 +31,7 @@ fn two_channels_have_one_comparator_each() {
     }
 }
 
-/// A low and a high threshold of the only channel; the other position does not count.
+/// A driver of one channel has a low and a high threshold for it; the other position does not count.
 #[test]
 fn one_channel_has_both() {
     let values = [(Entry::Comparator1, ONE / 4), (Entry::Comparator2, ONE / 4 * 3)];
@@ -43,7 +43,7 @@ fn one_channel_has_both() {
     }
 }
 
-/// Each channel is compared within its own range; of a driver of one channel only the first counts.
+/// Each channel is compared within its own range; in a driver of one channel only the first counts.
 #[test]
 fn ranges_of_their_own() {
     let range = |start, end| MeasuringRange::new(mm(start), mm(end)).unwrap();
@@ -69,7 +69,7 @@ fn ends_of_the_range() {
     }
 }
 
-/// They work whatever the network does, and are low before there is anything to compare.
+/// The outputs work in every network state, and are low before the first sample.
 #[test]
 fn independent_of_the_network() {
     let mut bench = Bench::dark(Channels::Single, &[(Entry::Comparator1, 0)]);
@@ -90,7 +90,7 @@ fn a_written_value_acts_with_the_next_sample() {
 }
 
 proptest! {
-    /// The definition in exact arithmetic: position - start > fraction * range.
+    /// The output follows the definition in exact arithmetic: position - start > fraction * range.
     #[test]
     fn any_range_position_and_fraction(start: i32, end: i32, position: i32, fraction in 0..=ONE) {
         let [start, end, position] = [start, end, position].map(Position::from_raw);

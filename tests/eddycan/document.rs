@@ -1,4 +1,4 @@
-//! PROTOCOL.md: its tables of TX-Drivers are made from the code, and stay so.
+//! Test that the tables of TX-Drivers in PROTOCOL.md are made from the code and up to date.
 
 use narx_core::bus::eddycan::{AbortCode, Bitrate, ErrorCode, IDENTIFIERS, Layout};
 use narx_core::eddycan::OBJECTS;
@@ -49,7 +49,7 @@ fn objects() -> String {
     out
 }
 
-/// Longest frames of the three lengths that PDOs have.
+/// Table of the longest frames of the three lengths that PDOs have.
 fn bitrates() -> String {
     let mut out = String::from(
         "| index | kbit/s | cable, m | longest PDO of 4 bytes, us | 6 bytes | 8 bytes |\n|---|---|---|---|---|---|\n",

@@ -1,4 +1,4 @@
-//! The EDS files are those of this code, and say what the device does.
+//! Tests that the EDS files are those of this code, and describe what the device does.
 
 use crate::bench::{Bench, frame, node};
 use narx_core::bus::Frame;
@@ -10,7 +10,7 @@ use xtask::eds;
 
 type Sections = BTreeMap<String, BTreeMap<String, String>>;
 
-/// Sections and keys of an INI file; none stands there twice.
+/// Sections and keys of an INI file; none may occur twice.
 fn parse(text: &str) -> Sections {
     let mut sections = Sections::new();
     let mut current = None;
@@ -41,7 +41,7 @@ fn committed_files_are_up_to_date() {
     eds::regenerate(root, true).unwrap();
 }
 
-/// Every list names what has a section, and every entry is in a list.
+/// Every list names existing sections, and every entry is in a list.
 #[test]
 fn lists_and_sections_agree() {
     for (_, sections) in files() {
@@ -65,7 +65,7 @@ fn lists_and_sections_agree() {
     }
 }
 
-/// What the file says of an entry is what the device answers: value, size, and whether it can be read and written.
+/// The file describes an entry as the device answers: value, size, and access for reading and writing.
 #[test]
 fn entries_are_those_of_the_device() {
     for (layout, sections) in files() {
@@ -124,7 +124,7 @@ fn pdos_are_those_of_the_device() {
     }
 }
 
-/// Frames as a CANopen tool that follows the file sends them: sized writes, and reads.
+/// A CANopen tool that follows the file can configure the device, with sized writes and with reads.
 #[test]
 fn a_tool_configures_the_device() {
     let mut bench = Bench::new(narx_core::bus::eddycan::Channels::Single, &[]);

@@ -1,4 +1,4 @@
-//! The encoder's value: linear and rotary, both ways, reset, and the ends of its sixteen bits.
+//! Tests of the encoder's value: linear and rotary, both directions, reset, and the ends of its sixteen bits.
 
 use crate::bench::{Bench, mm};
 use narx_core::bus::eddycan::{Channels, FromNode, NmtState, SdoAction, SdoOutcome, ToNode};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 const ROTARY: u32 = 2;
 const REVERSE: u32 = 4;
 
-/// A driver whose PDOs carry the encoder, its counter at `counter` to begin with.
+/// A driver whose PDOs carry the encoder; its counter begins at `counter`.
 fn bench(register: u32, counts: u32, counter: u16) -> Bench {
     let values =
         [(Entry::CanConfig, 2), (Entry::BasicConfig, register), (Entry::CountsPerRevolution, counts)];
@@ -21,7 +21,7 @@ fn count(bench: &mut Bench, counter: u16) {
     bench.driver.handle_sample(Sample { positions: [mm(0); 2], counter });
 }
 
-/// What a PDO tells; the node is Pre-Operational before and after.
+/// Encoder value in a PDO; the node is Pre-Operational before and after.
 fn told(bench: &mut Bench) -> u16 {
     bench.enter(NmtState::Operational);
     bench.send(ToNode::Sync);
@@ -44,7 +44,7 @@ fn the_place_at_power_up_is_0_whatever_the_counter_says() {
     }
 }
 
-/// A walk of the counter, over its own wrap, and what each setup makes of it.
+/// Four setups give their values for one walk of the counter, which crosses its own wrap.
 #[test]
 fn four_setups_of_one_walk() {
     let walk = [65_500_u16, 65_535, 0, 100, 64_000];
@@ -64,7 +64,8 @@ fn four_setups_of_one_walk() {
     }
 }
 
-/// An overrun stays at the end of the range and comes back with the encoder; a reset makes the place 0 (section 3.3.2).
+/// An overrun stays at the end of the range and comes back with the encoder; a reset sets the position to 0
+/// (section 3.3.2).
 #[test]
 fn a_linear_encoder_stops_at_the_ends() {
     for (register, up, end, begin) in
@@ -97,7 +98,8 @@ fn a_linear_encoder_stops_at_the_ends() {
     }
 }
 
-/// Any number of data bytes, by any of the write commands; a rotary encoder cannot run over and keeps its place.
+/// The reset accepts any number of data bytes and any of the write commands; a rotary encoder, which cannot
+/// overrun, keeps its position.
 #[test]
 fn reset_is_written_and_not_read() {
     for (register, after) in [(0, 0), (ROTARY, 77)] {
@@ -115,7 +117,7 @@ fn reset_is_written_and_not_read() {
 }
 
 proptest! {
-    /// Steps of up to half of the counter's range add up, whatever they are.
+    /// Steps of up to half of the counter's range add up, in any sequence.
     #[test]
     fn any_walk(steps in prop::collection::vec(-32_768..=32_767_i32, 1..60), counts in 1..=65_535_u32, reverse: bool) {
         let register = if reverse { REVERSE } else { 0 };

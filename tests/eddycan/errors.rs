@@ -1,4 +1,4 @@
-//! Error messages: when, and how often at most.
+//! Tests of error messages: their causes, and their largest rate.
 
 use crate::bench::{Bench, frame};
 use narx_core::bus::eddycan::{Channels, NmtState, ToNode};
@@ -32,7 +32,7 @@ fn error_passive_is_told_when_it_is_entered() {
     assert_eq!(bench.poll(), [passive()]);
 }
 
-/// A controller at the threshold goes to and fro; its node does not fill the bus with that.
+/// A node whose controller changes to and fro at the threshold sends each code at most once a second.
 #[test]
 fn each_code_once_a_second() {
     let mut bench = Bench::new(Channels::Single, &[]);
@@ -61,7 +61,8 @@ fn the_node_is_silent_off_the_bus_and_begins_with_the_present() {
         assert_eq!(bench.wait(10_000), []);
     }
     bench.driver.handle_bus_state(bus(ErrorState::Active));
-    // Nobody has heard of the error; positions and heartbeats were of the past.
+    // The error is reported late, because no node could receive it; positions and heartbeats would be out of
+    // date.
     assert_eq!(bench.frames(), [passive()]);
     let frames = bench.wait(10_000);
     assert_eq!(frames.iter().map(|frame| frame.id().raw()).collect::<Vec<_>>(), [0x181]);
@@ -72,14 +73,14 @@ fn a_message_that_was_lost_with_the_bus_is_told_again_once_others_are_heard() {
     let mut bench = Bench::new(Channels::Single, &[]);
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
     assert_eq!(bench.poll(), [passive()]);
-    // What the controller holds is dropped.
+    // The controller drops the frame that it holds.
     bench.driver.handle_bus_state(bus(ErrorState::BusOff));
     assert_eq!(bench.wait(5000), []);
     bench.driver.handle_bus_state(bus(ErrorState::Active));
     assert_eq!(bench.wait(10_000_000), [], "nobody is heard");
     bench.give(&frame(0x80, &[]));
     assert_eq!(bench.frames(), [passive()]);
-    // It was told for good, and long before the next time off the bus.
+    // The message has arrived now; it is not sent again the next time off the bus.
     assert_eq!(bench.wait(2_000_000), []);
     bench.driver.handle_bus_state(bus(ErrorState::BusOff));
     bench.driver.handle_bus_state(bus(ErrorState::Active));
@@ -97,7 +98,7 @@ fn what_is_told_again_keeps_its_second() {
     bench.wait(3000);
     bench.driver.handle_bus_state(bus(ErrorState::Active));
     bench.give(&frame(0x80, &[]));
-    // A controller that becomes passive anew meanwhile adds nothing.
+    // A controller that becomes passive again meanwhile adds no message.
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
     assert_eq!(bench.frames(), []);
     assert_eq!(bench.driver.next_poll(), told + 1_000_000);
@@ -144,7 +145,7 @@ fn a_store_that_fails_is_told_and_tried_again_by_the_next_write() {
     }
 }
 
-/// A shell that cannot read its memory starts with factory values and says so.
+/// A shell that cannot read its memory starts with factory values and reports an error.
 #[test]
 fn a_memory_that_cannot_be_read_is_told() {
     let mut bench = Bench::new(Channels::Single, &[]);

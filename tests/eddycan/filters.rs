@@ -1,14 +1,14 @@
-//! The filters, against the exponential that they are.
+//! Tests of the filters against exact exponentials.
 
 use crate::bench::{Bench, RATE, mm};
 use narx_core::bus::eddycan::{Channels, FromNode, NmtState, Position, ToNode};
 use narx_core::eddycan::{Entry, Sample};
 use proptest::prelude::*;
 
-/// Table 9.
+/// Edge frequencies (Table 9), Hz.
 const EDGES: [(u32, f64); 4] = [(1, 10.0), (2, 100.0), (3, 1000.0), (4, 10_000.0)];
 
-/// Takes a sample and answers both positions as a PDO tells them.
+/// Gives a sample to the driver; returns both positions from a PDO.
 fn filtered(bench: &mut Bench, positions: [i32; 2]) -> [i32; 2] {
     bench.driver.handle_sample(Sample { positions: positions.map(Position::from_raw), counter: 0 });
     bench.send(ToNode::Sync);
@@ -18,7 +18,7 @@ fn filtered(bench: &mut Bench, positions: [i32; 2]) -> [i32; 2] {
     }
 }
 
-/// In Operational, with this sample seen first.
+/// A driver in Operational with this as its first sample.
 fn bench(channels: Channels, values: &[(Entry, u32)], first: i32) -> Bench {
     let mut bench = Bench::dark(channels, values);
     bench.enter(NmtState::Operational);
@@ -34,7 +34,8 @@ fn without_a_filter_every_sample_passes() {
     }
 }
 
-/// A step of 1 mm: y(t) = 1 - exp(-2 pi f t), to 3 steps of 2^-27 mm and the coefficient's seven digits.
+/// A filter answers a step of 1 mm with y(t) = 1 - exp(-2 pi f t), to 3 steps of 2^-27 mm and the
+/// coefficient's seven digits.
 #[test]
 fn answer_to_a_step() {
     for (index, edge) in EDGES {
@@ -49,7 +50,8 @@ fn answer_to_a_step() {
     }
 }
 
-/// A sine at the edge frequency comes out at 1 / sqrt(2), where samples are dense; 0.5 % for the sampled filter.
+/// A sine at the edge frequency is attenuated to 1 / sqrt(2) where samples are dense; within 0.5 % for the
+/// sampled filter.
 #[test]
 fn three_decibels_at_the_edge() {
     for (index, edge) in [EDGES[0], EDGES[1]] {
@@ -77,14 +79,14 @@ fn each_channel_has_its_own() {
     assert!(second > 0 && second < 1 << 20, "{second}");
 }
 
-/// The filter of a channel that is not there filters nothing.
+/// The filter of a missing channel has no effect.
 #[test]
 fn the_second_filter_of_one_channel_has_no_effect() {
     let mut bench = bench(Channels::Single, &[(Entry::Filter2, 1)], 0);
     assert_eq!(filtered(&mut bench, [1 << 27; 2]), [1 << 27, 0]);
 }
 
-/// Outputs follow what is told, not the raw sample.
+/// The outputs follow the filtered position, not the raw sample.
 #[test]
 fn comparators_see_the_filtered_position() {
     let mut bench = bench(Channels::Single, &[(Entry::Filter1, 1)], 0);
@@ -92,7 +94,7 @@ fn comparators_see_the_filtered_position() {
     assert_eq!(bench.driver.outputs(), [false, false]);
 }
 
-/// A filter that is written goes on from where the output was, and acts with the next sample; so does its end.
+/// A written filter goes on from the present output, and acts with the next sample; so does switching it off.
 #[test]
 fn a_change_makes_no_jump() {
     let mut bench = bench(Channels::Single, &[], mm(1).raw());
@@ -110,7 +112,7 @@ fn a_change_makes_no_jump() {
 }
 
 proptest! {
-    /// Never beyond what came in, whatever comes in, and at rest exactly there.
+    /// The output never leaves the range of its input, for any input, and at rest equals it.
     #[test]
     fn between_old_and_new(index in 0..5_u32, samples in prop::collection::vec(any::<i32>(), 1..50)) {
         let mut bench = bench(Channels::Single, &[(Entry::Filter1, index)], samples[0]);

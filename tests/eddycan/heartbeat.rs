@@ -1,11 +1,11 @@
-//! Boot-up and heartbeat.
+//! Tests of boot-up and heartbeat.
 
 use crate::bench::{Bench, STATES, configured, frame, variant};
 use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{Channels, NmtState};
 use narx_core::eddycan::{Entry, TxDriver};
 
-/// Heartbeats of a time, polled every millisecond: when, and the state.
+/// Heartbeats within a time, polled every millisecond: time and state of each.
 fn heartbeats(bench: &mut Bench, milliseconds: u64) -> Vec<(u64, u8)> {
     let mut found = Vec::new();
     for _ in 0..milliseconds {
@@ -19,7 +19,7 @@ fn heartbeats(bench: &mut Bench, milliseconds: u64) -> Vec<(u64, u8)> {
     found
 }
 
-/// Table 12, with the boot-up in every configuration.
+/// The boot-up message comes first and once in every configuration, as in Table 12.
 #[test]
 fn boot_up_comes_once_and_first() {
     for register in 0..8 {
@@ -28,7 +28,8 @@ fn boot_up_comes_once_and_first() {
         driver.poll(5);
         let frames: Vec<Frame> = std::iter::from_fn(|| driver.poll_frame()).collect();
         let state = |state: u8| frame(0x700 + 99, &[state]);
-        // Autostart and heartbeat: the state follows at once, so nobody believes in Pre-Operational for 2 s.
+        // With autostart and heartbeat the state follows at once, else other nodes would assume
+        // Pre-Operational for 2 s.
         let expected = if register & 5 == 5 { vec![state(0), state(5)] } else { vec![state(0)] };
         assert_eq!(frames, expected, "{register}");
     }

@@ -1,4 +1,4 @@
-//! The eddyCAN protocol and the TX-Driver, through their public interfaces.
+//! Tests of the eddyCAN protocol and the TX-Driver, through their public interfaces.
 
 mod bench;
 mod bitrates;

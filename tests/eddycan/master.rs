@@ -1,4 +1,4 @@
-//! The master, with a driver at the other end of the bus or with what other nodes answer.
+//! Tests of the master, with a driver at the other end of the bus or with answers of other nodes.
 
 use crate::bench::{Bench, SAMPLE, frame, mm, node};
 use narx_core::bus::eddycan::{AbortCode, Channels, Layout, NmtCommand, NmtState, PdoKind, Reading};
@@ -7,7 +7,7 @@ use narx_core::eddycan::{Entry, OBJECTS, Sample};
 use narx_core::master::NotTaken;
 use narx_core::master::eddycan::{Answer, Config, Request, RequestError, TxMaster};
 
-/// A master and its driver on a bus that takes no time and loses what it is told to.
+/// A master and its driver on a bus that takes no time and loses selected frames.
 struct Pair {
     bench: Bench,
     master: TxMaster,
@@ -20,7 +20,8 @@ impl Pair {
         Self { bench, master }
     }
 
-    /// Lets frames pass for a time, in steps of a millisecond; those that `lost` names are lost. What the master has sent.
+    /// Lets frames pass for a time, in steps of a millisecond; those that `lost` selects are lost. Returns
+    /// the frames that the master has sent.
     fn run(&mut self, milliseconds: u64, mut lost: impl FnMut(&Frame) -> bool) -> Vec<Frame> {
         let mut sent = Vec::new();
         for _ in 0..milliseconds {
@@ -45,7 +46,7 @@ impl Pair {
     }
 }
 
-/// Every entry is written and read back through the bus.
+/// Every entry can be written and read back over the bus.
 #[test]
 fn configures_a_driver() {
     let mut pair = Pair::new(Channels::Dual, &[]);
@@ -84,7 +85,7 @@ fn commands_watches_and_reads() {
     let (found, kind, _) = pair.master.reading().unwrap();
     assert_eq!((found, kind), (reading, PdoKind::Timer));
     assert_eq!(found.positions.map(|position| position.picometres()), [1_000_000_000, -2_000_000_000]);
-    // The node is gone after 5 s of silence.
+    // The node counts as gone after 5 s of silence.
     pair.run(4000, |_| true);
     assert!(pair.master.is_present(pair.bench.now));
     pair.run(1001, |_| true);
@@ -124,7 +125,8 @@ fn the_layout_follows_the_register() {
     assert_eq!(pair.master.report().malformed, 0);
 }
 
-/// Counts of a linear encoder have a sign, and its resolution makes a length of them; what was not read or written is not known.
+/// Counts of a linear encoder are signed, and its resolution turns them into a length; values that were
+/// neither read nor written are unknown.
 #[test]
 fn a_linear_encoder_has_a_position() {
     let mut pair = Pair::new(Channels::Single, &[(Entry::CanConfig, 2), (Entry::EncoderResolution, 250)]);
@@ -149,7 +151,8 @@ fn a_linear_encoder_has_a_position() {
     }
 }
 
-/// Any two of three attempts may be lost, on the way there or back; the third loss is an error. A reset of the encoder has one attempt.
+/// Any two of three attempts may be lost, in either direction; the third loss is an error. A reset of the
+/// encoder has one attempt.
 #[test]
 fn repeats_what_gets_no_answer() {
     for (entry, attempts) in [(Entry::UpdateTime, 3), (Entry::ResetEncoder, 1)] {
@@ -187,7 +190,8 @@ fn an_operational_node_refuses_and_a_stopped_one_is_silent() {
     }
 }
 
-/// Answers that are not what was asked for, and those of nodes that keep to the letter less than ours.
+/// Answers to other requests are ignored, and answers of nodes that follow the specification less strictly
+/// are accepted.
 #[test]
 fn answers_of_other_nodes() {
     let read = Request::Read(Entry::UpdateTime);
@@ -200,11 +204,11 @@ fn answers_of_other_nodes() {
     };
     for (data, result) in [
         ([0x4B, 3, 0x20, 0, 0x10, 0x27, 0, 0], Some(Ok(10_000))),
-        // Four bytes for two, with rubbish above, without a size, with another subindex.
+        // Four bytes for two, with random upper bytes; without a size; with another subindex.
         ([0x43, 3, 0x20, 0, 0x10, 0x27, 0xA5, 0xA5], Some(Ok(10_000))),
         ([0x42, 3, 0x20, 0, 0x10, 0x27, 0, 0], Some(Ok(10_000))),
         ([0x4B, 3, 0x20, 9, 0x10, 0x27, 0, 0], Some(Ok(10_000))),
-        // Another entry, a confirmation, no answer at all.
+        // Another entry; a confirmation; no answer at all.
         ([0x4B, 4, 0x20, 0, 0x10, 0x27, 0, 0], None),
         ([0x60, 3, 0x20, 0, 0, 0, 0, 0], None),
         ([0x55, 3, 0x20, 0, 0, 0, 0, 0], None),
@@ -213,7 +217,7 @@ fn answers_of_other_nodes() {
     ] {
         assert_eq!(ask(read, &data), result, "{data:02X?}");
     }
-    // Where there are subindices they count.
+    // For entries with subindices these count.
     let write = Request::Write(Entry::Filter2, 1);
     assert_eq!(ask(write, &[0x60, 6, 0x20, 1, 0, 0, 0, 0]), None);
     assert_eq!(ask(write, &[0x4F, 6, 0x20, 2, 1, 0, 0, 0]), None, "a value is no confirmation");
@@ -230,7 +234,7 @@ fn counts_what_it_hears() {
         (0x701, &[9]),
         (0x81, &[0x20, 0x81]),
         (0x81, &[0x00, 0x10, 1, 0, 0, 0, 0, 0]),
-        // Another node, and another master's request.
+        // Frames of another node, and another master's request.
         (0x182, &[1, 2, 3, 4, 5, 6]),
         (0x82, &[0x20, 0x81]),
         (0x601, &[0x40, 0, 0x20, 0, 0, 0, 0, 0]),
@@ -240,7 +244,7 @@ fn counts_what_it_hears() {
     let report = master.report();
     assert_eq!((report.boots, report.errors, report.last_error, report.malformed), (1, 2, Some(0x1000), 2));
     assert!(master.reading().is_some());
-    // Another master asks the node for its positions, under the node's own identifier.
+    // Another master requests the node's positions, under the node's own identifier.
     let asked = Frame::remote(Id::standard(0x381).unwrap(), 6).unwrap();
     master.handle_frame(&asked, 1);
     assert_eq!(master.report().malformed, 2);
@@ -248,7 +252,7 @@ fn counts_what_it_hears() {
     assert_eq!((master.report().boots, master.reading()), (2, None), "a new life");
 }
 
-/// Eight requests and four commands; room comes back with each answer taken.
+/// Eight requests and four commands may wait; every answer that is taken makes room.
 #[test]
 fn bounds() {
     let mut pair = Pair::new(Channels::Single, &[]);

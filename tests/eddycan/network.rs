@@ -1,4 +1,5 @@
-//! Network management: every command byte, length and target in every state, and what each state does.
+//! Tests of network management: every command byte, length and target in every state, and the function of
+//! each state.
 
 use crate::bench::{Bench, STATES, frame, node};
 use narx_core::bus::eddycan::{
@@ -6,7 +7,7 @@ use narx_core::bus::eddycan::{
 };
 use narx_core::eddycan::Entry;
 
-/// Factory node-id 1: 0 and 1 are for this node, everything else is not.
+/// Of the targets, 0 and the factory node-id 1 address this node, all others do not.
 #[test]
 fn every_command_length_and_target_in_every_state() {
     for state in STATES {
@@ -40,7 +41,8 @@ fn every_command_length_and_target_in_every_state() {
     }
 }
 
-/// Section 3.4: Pre-Operational is configured, Operational sends positions, Stopped only listens to commands.
+/// Pre-Operational is for configuration, Operational sends positions, Stopped only takes commands (section
+/// 3.4).
 #[test]
 fn what_each_state_does() {
     for (state, positions, answers) in
@@ -106,7 +108,7 @@ fn autostart() {
     }
 }
 
-/// A wrong command by name is answered, a wrong broadcast is not: 127 nodes would.
+/// A wrong command to this node is answered; a wrong broadcast is not, because 127 nodes would answer.
 #[test]
 fn unknown_commands_are_reported_by_the_node_that_is_meant() {
     let mut bench = Bench::new(Channels::Single, &[]);

@@ -1,4 +1,4 @@
-//! The object table against Table 4, and the configuration that it bounds.
+//! Tests of the object table against Table 4, and of the configuration whose bounds it has.
 
 use crate::bench::configured;
 use narx_core::bus::eddycan::AbortCode;
@@ -46,7 +46,7 @@ fn the_table_is_sound() {
     }
 }
 
-/// Every address, by comparison with the rows themselves.
+/// A lookup of every address finds exactly the rows of the table.
 #[test]
 fn every_address() {
     for index in 0..=u16::MAX {
@@ -67,7 +67,7 @@ fn every_address() {
     }
 }
 
-/// Values at the ends of each range and beyond, and every value of the registers.
+/// Values at the ends of each range are accepted and those beyond are not, with every value of the registers.
 #[test]
 fn ranges() {
     let mut configuration = Configuration::new();
@@ -93,7 +93,8 @@ fn ranges() {
     }
 }
 
-/// Table 7, all eight rows, and what the fourth parameter of Table 8's rows means.
+/// The registers have all eight rows of Table 7, and the meaning of the fourth parameter in the rows of
+/// Table 8.
 #[test]
 fn registers() {
     for value in 0..8 {
@@ -110,7 +111,7 @@ fn registers() {
 }
 
 proptest! {
-    /// A memory may hold anything; a configuration has only what the table allows.
+    /// A configuration from memory with any content has only values that the table allows.
     #[test]
     fn what_is_stored_is_read_or_refused(values: [u32; STORED], keep in 0..=STORED) {
         let mut values = values;

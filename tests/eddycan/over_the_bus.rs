@@ -1,4 +1,5 @@
-//! A master configures a driver over the simulated bus and reads what its sensors and encoder see of the shaft.
+//! Tests of a master that configures a driver over the simulated bus and reads the shaft's motion from its
+//! sensors and encoder.
 
 use crate::bench::{mm, node};
 use crate::wired::{Wired, driver};
@@ -8,7 +9,7 @@ use narx_core::master::eddycan::{Config, Request, TxMaster};
 use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
 use narx_sim::tx_driver::TxDriverConfig;
 
-/// The bus, and the master at the host's place.
+/// The bus, with the master in the host's place.
 struct Mastered {
     wired: Wired,
     master: TxMaster,
@@ -51,7 +52,8 @@ impl Mastered {
     }
 }
 
-/// Two channels and a rotary encoder in one PDO: both distances and the angle are the shaft's, forward, in reverse, and counted the other way round.
+/// Two channels and a rotary encoder in one PDO give both distances and the angle of the shaft: forward, in
+/// reverse, and with the count reversed.
 #[test]
 fn distances_and_angle_of_a_turning_shaft() {
     let sensors = [1.0, 0.5].map(|rest| EddyCurrentConfig::new(4.0, Target::nut(rest, 0.25)));
@@ -65,7 +67,7 @@ fn distances_and_angle_of_a_turning_shaft() {
         mastered.wired.rate = rate;
         mastered.run(2000);
         let (reading, _, time) = mastered.master.reading().unwrap();
-        // From the step that sampled it to the frame's end lie the frame and at most the step before it.
+        // Between the sampling step and the end of the frame lie the frame and at most one step.
         let age = (mastered.wired.now / 1000 - time) as f64 * 1e-6 + 0.3e-3;
         let turns = mastered.wired.shaft.turns - rate * age / 2.0;
         let tolerance = rate.abs() * age / 2.0;
@@ -86,7 +88,8 @@ fn distances_and_angle_of_a_turning_shaft() {
     }
 }
 
-/// A linear encoder runs along the nut's way: 0.1 mm are 1000 counts of 100 nm, and a reset makes that place 0.
+/// A linear encoder measures the way of the nut: 0.1 mm are 1000 counts of 100 nm, and a reset sets the
+/// present position to 0.
 #[test]
 fn a_linear_encoder_and_its_reset() {
     let encoder = Some(Encoder::Linear { lead: 0.25, resolution: 100 });
@@ -113,7 +116,7 @@ fn a_linear_encoder_and_its_reset() {
     assert!((counts(&mut mastered) + 500).abs() <= 1);
 }
 
-/// What was written outlives the reset, and the new node-id is the one that boots.
+/// Written values survive the reset, and the node boots with its new node-id.
 #[test]
 fn a_new_node_id_acts_after_the_reset() {
     let mut mastered = Mastered::new(&driver(3, &[]));
@@ -125,12 +128,12 @@ fn a_new_node_id_acts_after_the_reset() {
     mastered.master = TxMaster::new(Config::new(node(77), layout));
     mastered.run(20);
     let (reading, ..) = mastered.master.reading().expect("it starts by itself and sends");
-    // 1 mm, bent by 20 um and oval by 5 um at angle 0; noise of 0.1 um.
+    // 1 mm at rest, with a run-out of 20 um of order 1 and 5 um of order 2 at angle 0; noise of 0.1 um.
     let off = reading.positions[0].picometres() - mm(1).picometres();
     assert!((off - 25_000_000).abs() < 600_000, "{off} pm");
 }
 
-/// A sensor in other hands: what it watches may change while it measures.
+/// The target of a sensor may change while it measures.
 #[test]
 fn a_target_that_is_moved() {
     let mut mastered = Mastered::new(&driver(3, &[(Entry::CanConfig, 1), (Entry::UpdateTime, 1)]));
@@ -143,7 +146,8 @@ fn a_target_that_is_moved() {
     }
 }
 
-/// Positions at 380 us are of steps of 25 us, and the shaft is where it is then: it turns on between two ticks of 100 us. With 10 mm/s a step is 0.25 um.
+/// A PDO every 380 us has positions of steps of 25 us, at which the shaft has turned on between two ticks of
+/// 100 us. At 10 mm/s a step is 0.25 um.
 #[test]
 fn drivers_sample_between_the_ticks() {
     let quiet = EddyCurrentConfig { noise: 0.0, ..EddyCurrentConfig::new(15.0, Target::nut(1.0, 1.0)) };
@@ -167,7 +171,7 @@ fn drivers_sample_between_the_ticks() {
         steps.iter().all(|steps| (steps - 15.0).abs() < 1e-3 || (steps - 16.0).abs() < 1e-3),
         "{steps:?}"
     );
-    // 380 us are 15.2 of them.
+    // 380 us are 15.2 steps.
     let mean = steps.iter().sum::<f64>() / steps.len() as f64;
     assert!((mean - 15.2).abs() < 0.01, "{mean}");
 }

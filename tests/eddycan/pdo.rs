@@ -1,4 +1,4 @@
-//! When positions are sent, and which.
+//! Tests of PDOs: the instants at which positions are sent, and their content.
 
 use crate::bench::{BITRATES, Bench, CHANNELS, SAMPLE, mm, node};
 use narx_core::bus::eddycan::{Channels, FromNode, Layout, NmtState, PdoKind, Position, Reading, ToNode};
@@ -31,11 +31,13 @@ fn update_time_0_sends_nothing_by_itself() {
     assert_eq!(bench.messages().len(), 1, "SYNC works all the same");
 }
 
-/// Longest frame of a PDO of so many bytes in bits, worked by hand: 34 + 8 n bits from start to CRC take a stuff bit after the fifth and then every
-/// fourth; 13 follow with the gap. 34 + 32 = 66 bits and 16 stuff bits; 82 and 20; 98 and 24.
+/// Longest frame of a PDO of these many bytes in bits, worked by hand: 34 + 8 n bits from start to CRC take a
+/// stuff bit after the fifth and then after every fourth; 13 follow with the gap. 34 + 32 = 66 bits and 16
+/// stuff bits; 82 and 20; 98 and 24.
 const LONGEST: [(u8, u64); 3] = [(4, 66 + 16 + 13), (6, 82 + 20 + 13), (8, 98 + 24 + 13)];
 
-/// All nodes together fill half of the bus with their longest frames: counted over 1000 periods, within 2 % (of which none is used).
+/// All nodes together fill half of the bus with their longest frames: counted over 1000 periods, within 2 %
+/// (none of which is used).
 #[test]
 fn half_of_the_bus_for_all_nodes_together() {
     for (index, (bitrate, bits_per_second)) in BITRATES.into_iter().enumerate() {
@@ -71,7 +73,8 @@ fn half_of_the_bus_for_all_nodes_together() {
     }
 }
 
-/// What a listener sees of ten such nodes, started by one command, is what each of them alone does.
+/// The number of nodes only stretches the period. A listener to ten such nodes, started by one command,
+/// therefore sees what each of them does alone.
 #[test]
 fn the_number_of_nodes_stretches_the_period_only() {
     let period = |nodes| {
@@ -83,8 +86,8 @@ fn the_number_of_nodes_stretches_the_period_only() {
     assert!((1..=127).all(|nodes| period(nodes) == 380 * u64::from(nodes)));
 }
 
-/// Ten nodes that are started by one command send one after the other, as far apart as half of the bus allows; so do they wherever their node-ids begin.
-/// Without the half load they all begin at once.
+/// Ten nodes that one command starts send one after the other, as far apart as half of the bus allows, for
+/// any first node-id. Without the half load they all send at once.
 #[test]
 fn nodes_that_share_half_of_the_bus_take_turns() {
     for first in [1, 8, 118_u32] {
@@ -121,7 +124,7 @@ fn a_late_poll_sends_one_and_keeps_the_beat() {
     assert_eq!(bench.wait(1).len(), 1, "50 ms after the first");
 }
 
-/// Operational begins with a PDO1, however short it was left for.
+/// Operational begins with a PDO1, however briefly it was left.
 #[test]
 fn every_start_begins_a_beat_of_its_own() {
     let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &[(Entry::UpdateTime, 10)]);
@@ -148,7 +151,7 @@ fn what_waits_is_overwritten() {
     );
 }
 
-/// The positions are those of the instant of the SYNC, however late the frame goes out.
+/// The positions are those of the instant of the SYNC, however late the frame is sent.
 #[test]
 fn a_sync_takes_the_positions_of_its_instant() {
     let mut bench = Bench::in_state(NmtState::Operational, Channels::Dual, &[]);
@@ -172,7 +175,8 @@ fn sync_has_no_data() {
     assert_eq!(driver, bench.driver);
 }
 
-/// Every node, PDO and length: only PDO3 of this node with exactly the length of its layout is answered.
+/// For every node, PDO and length, only a request for PDO3 of this node with exactly the length of its layout
+/// is answered.
 #[test]
 fn remote_frames() {
     for channels in CHANNELS {
@@ -197,7 +201,7 @@ fn remote_frames() {
     }
 }
 
-/// The four figures, all three PDOs, through the whole device.
+/// The whole device sends the four layouts of the figures in all three PDOs.
 #[test]
 fn layouts() {
     let sample =
@@ -210,7 +214,7 @@ fn layouts() {
     ] {
         let values = [(Entry::CanConfig, register), (Entry::UpdateTime, 1)];
         let mut bench = Bench::dark(channels, &values);
-        // The counter runs free: what was before the first sample is no way.
+        // The counter runs freely: its value before the first sample is no motion.
         bench.driver.handle_sample(Sample { counter: 0x0500, ..sample });
         bench.driver.handle_sample(sample);
         bench.enter(NmtState::Operational);
@@ -235,7 +239,7 @@ fn nothing_is_sent_before_the_first_sample() {
     assert_eq!(bench.poll().len(), 1);
 }
 
-/// Frames leave when the bus takes them. However slow it is, no PDO and no answer waits for more than three others.
+/// On a bus that is too slow, no PDO and no answer waits for more than three others.
 #[test]
 fn everybody_has_a_turn_on_a_bus_that_is_too_slow() {
     let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &[(Entry::UpdateTime, 1)]);

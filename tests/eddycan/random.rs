@@ -1,4 +1,4 @@
-//! Any frame at any time: nothing panics, nothing grows, and nothing changes that should not.
+//! Tests with any frame at any time: no panic, no growth, and no change that must not be.
 
 use crate::bench::{Bench, CHANNELS, STATES};
 use narx_core::bus::eddycan::{Channels, NmtState};
@@ -6,7 +6,7 @@ use narx_core::bus::{BusState, ErrorState, Frame, Id};
 use narx_core::eddycan::{Configuration, Entry, OBJECTS, STORED, Sample};
 use proptest::prelude::*;
 
-/// Frames of every kind, most of them near to what the node listens to.
+/// Strategy of frames of every kind, most of them similar to those that the node takes.
 fn frames() -> impl Strategy<Value = Frame> {
     let ids = prop_oneof![
         4 => prop::sample::select(vec![0_u16, 0x80, 0x381, 0x601, 0x602, 0x181, 0x701]),
@@ -64,7 +64,7 @@ proptest! {
         prop_assert_eq!((bench.driver.node(), bench.driver.bitrate()), (before.node(), before.bitrate()));
     }
 
-    /// A life of any events: at most twelve frames wait, all of them of this node, and a restart ends in silence.
+    /// After any events at most twelve frames wait, all of them of this node, and a restart ends in silence.
     #[test]
     fn any_life(events in prop::collection::vec((frames(), 0..6_u8, any::<u64>(), any::<[i32; 2]>()), 1..60)) {
         let mut bench = Bench::new(Channels::Dual, &[(Entry::UpdateTime, 1)]);
@@ -78,7 +78,7 @@ proptest! {
                     let error = [ErrorState::Active, ErrorState::Passive, ErrorState::BusOff][(number % 3) as usize];
                     bench.driver.handle_bus_state(BusState { error, ..BusState::default() });
                 }
-                // Time may do anything, even go back.
+                // Time may take any value, even an earlier one.
                 2 => bench.driver.poll(number),
                 3 => {
                     let _ = bench.driver.poll_store();

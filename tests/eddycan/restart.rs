@@ -1,4 +1,4 @@
-//! What is stored, and what acts only after a restart.
+//! Tests of stored values, and of those that take effect only after a restart.
 
 use crate::bench::{Bench, configured, frame, node};
 use narx_core::bus::eddycan::{Bitrate, Channels, FromNode, NmtCommand, NmtState, SdoValue, Target, ToNode};
@@ -23,7 +23,7 @@ fn node_id_and_bitrate_act_after_a_restart_and_read_as_stored() {
     assert_eq!(bench.frames(), [frame(0x700 + 42, &[0])]);
 }
 
-/// PDO1 at 65535 is computed for the bus as it is, not as it will be.
+/// The period of a PDO1 at 65535 is computed for the present bitrate, not for the written one.
 #[test]
 fn the_period_is_of_the_bitrate_in_force() {
     let mut bench = Bench::new(Channels::Single, &[(Entry::UpdateTime, 65_535)]);
@@ -45,7 +45,7 @@ fn what_was_written_before_a_reset_is_stored_before_the_restart() {
     assert!(!bench.driver.take_reset());
     bench.driver.handle_store(true);
     assert!(!bench.driver.take_reset());
-    // The spacing of stores does not keep a restart waiting.
+    // The minimum time between stores does not delay a restart.
     assert_eq!(bench.driver.poll_store().unwrap(), configured(&[(Entry::UpdateTime, 2)]));
     assert!(!bench.driver.take_reset());
     bench.driver.handle_store(true);
@@ -65,7 +65,7 @@ fn a_memory_that_never_answers_delays_a_restart_by_a_second() {
     assert!(bench.driver.take_reset());
 }
 
-/// A node that is about to restart neither obeys nor speaks.
+/// A node that is about to restart neither takes nor sends messages.
 #[test]
 fn between_reset_and_restart_there_is_silence() {
     let values = [(Entry::UpdateTime, 1), (Entry::CanConfig, 4)];
@@ -81,7 +81,7 @@ fn between_reset_and_restart_there_is_silence() {
     }
 }
 
-/// The first write is stored at once, those of the next second together, and none of them is lost.
+/// The first write is stored at once, those of the next second together, and none is lost.
 #[test]
 fn stores_are_a_second_apart() {
     let mut bench = Bench::new(Channels::Single, &[]);
@@ -109,7 +109,7 @@ fn a_write_of_the_same_value_stores_nothing() {
     assert_eq!(bench.driver.poll_store(), None);
 }
 
-/// What is being stored is what was written once more.
+/// Writing a value again while it is being stored causes no further store.
 #[test]
 fn a_write_of_the_same_value_while_it_is_stored_stores_nothing_more() {
     for (again, stores) in [(7, 0), (8, 1)] {

@@ -1,4 +1,4 @@
-//! The SDO server: every command on every entry in every state, by comparison with a model of the rules.
+//! Tests of the SDO server: every command on every entry in every state, against a model of the rules.
 
 use crate::bench::{Bench, FIRMWARE, STATES, answer, frame, node, value};
 use narx_core::bus::Frame;
@@ -7,10 +7,10 @@ use narx_core::bus::eddycan::{
 };
 use narx_core::eddycan::{Access, Entry, Kind, OBJECTS};
 
-/// Data bytes that are in every range.
+/// Data bytes that are within every range.
 const HARMLESS: [u8; 4] = [2, 0, 0, 0];
 
-/// What Tables 4, 5 and 10 say of a request that writes 2 where it writes; `None` for silence.
+/// Outcome by Tables 4, 5 and 10 of a request, whose value is 2 if it writes; `None` for silence.
 fn expected(bench: &Bench, state: NmtState, command: u8, index: u16, subindex: u8) -> Option<SdoOutcome> {
     let aborted = |code: AbortCode| Some(SdoOutcome::Aborted { code: code as u32 });
     if state == NmtState::Stopped || command == 0x80 {
@@ -57,7 +57,8 @@ fn expected(bench: &Bench, state: NmtState, command: u8, index: u16, subindex: u
     Some(SdoOutcome::Written)
 }
 
-/// 256 commands, every index there is and its neighbours, subindices of every class, three states.
+/// All 256 commands, every index and its neighbours, subindices of every class and three states give the
+/// outcome of the model.
 #[test]
 fn every_command_index_subindex_and_state() {
     let mut seen = std::collections::BTreeSet::new();
@@ -84,7 +85,7 @@ fn every_command_index_subindex_and_state() {
             }
         }
     }
-    // All but the range, which the next test exceeds.
+    // All codes but that of the range, which the next test exceeds.
     let all: std::collections::BTreeSet<u32> = AbortCode::ALL.iter().map(|code| *code as u32).collect();
     assert_eq!(all.difference(&seen).collect::<Vec<_>>(), [&(AbortCode::RangeExceeded as u32)]);
 }
@@ -132,7 +133,7 @@ fn what_is_written_is_read() {
     }
 }
 
-/// Section 3.3.2's example, and answers that repeat a subindex which does not count.
+/// The example of section 3.3.2 holds, and answers repeat a subindex that does not count.
 #[test]
 fn examples() {
     let mut bench = Bench::new(Channels::Dual, &[]);
@@ -168,7 +169,8 @@ fn only_data_frames_of_eight_bytes_to_this_node_are_served() {
     }
 }
 
-/// Four answers may wait; a request beyond them is not obeyed, so nothing is done without a confirmation.
+/// Four answers may wait; a further request is not carried out, so that nothing is done without a
+/// confirmation.
 #[test]
 fn what_cannot_be_answered_is_not_done() {
     let mut bench = Bench::new(Channels::Dual, &[]);

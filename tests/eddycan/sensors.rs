@@ -1,4 +1,4 @@
-//! What the bench's sensors make of a shaft, against figures worked by hand.
+//! Tests of the bench's sensors on a shaft, against figures worked by hand.
 
 use crate::bench::{mm, node};
 use narx_core::bus::eddycan::{Channels, Position};
@@ -9,7 +9,7 @@ use narx_sim::sensor::{
 };
 use narx_sim::tx_driver::{SAMPLE_RATE, TxDriverConfig};
 
-/// 2^-27 mm.
+/// Step of a position, 2^-27 mm.
 const STEP: f64 = 1.0 / 134_217_728.0;
 
 fn quiet(range: f64, target: Target) -> EddyCurrent {
@@ -32,7 +32,7 @@ fn a_position_is_the_nearest_step_within_the_range() {
         (0.5 * STEP, 1),
         (0.49 * STEP, 0),
         (1.25, 5 << 25),
-        // Beyond either end: the end.
+        // Beyond either end the reading is the end.
         (-0.3, 0),
         (2.0, 2 << 27),
         (2.7, 2 << 27),
@@ -40,12 +40,13 @@ fn a_position_is_the_nearest_step_within_the_range() {
         let position = quiet(2.0, Target::still(rest)).sample(&at(0.0), 0.0);
         assert_eq!(position.raw(), raw, "{rest} mm");
     }
-    // Noise does not lead out of it, either.
+    // Noise does not lead out of the range, either.
     let loud = EddyCurrentConfig { noise: 0.1, ..EddyCurrentConfig::new(2.0, Target::still(1.95)) };
     assert_eq!(EddyCurrent::new(loud).unwrap().sample(&at(0.0), 5.0), mm(2));
 }
 
-/// amplitude cos(order angle + phase), where the angle is that of the shaft, however many revolutions it has made and whichever way.
+/// Run-out is amplitude cos(order angle + phase) with the shaft's angle, after any number of revolutions in
+/// any direction.
 #[test]
 fn run_out_repeats_with_the_revolution() {
     let harmonic = |order, amplitude, phase_deg| Harmonic { order, amplitude, phase_deg };
@@ -64,7 +65,8 @@ fn run_out_repeats_with_the_revolution() {
     }
 }
 
-/// A sensor a quarter of the way around sees a bend a quarter of a revolution later, and an oval at the opposite height.
+/// A sensor a quarter of a turn further around sees a bend a quarter of a revolution later, and an oval with
+/// the opposite sign.
 #[test]
 fn two_sensors_around_one_shaft() {
     let [first, second] = [0.0, 90.0].map(|bearing| quiet(2.0, Target::surface(1.0, bearing)));
@@ -75,7 +77,8 @@ fn two_sensors_around_one_shaft() {
     }
 }
 
-/// Thrust grows with the speed's square up to the end of the play, and points the other way in reverse.
+/// Thrust grows with the square of the speed up to the end of the play, and has the opposite direction in
+/// reverse.
 #[test]
 fn axial_play_follows_the_thrust() {
     let play = AxialPlay { length: 0.1, end_speed: 400.0 };
@@ -102,8 +105,8 @@ fn a_nut_on_a_screw_runs_to_the_end_of_the_range() {
     }
 }
 
-/// Mean and deviation of a quiet target's samples behind each of the device's filters: white noise of s rms leaves a low-pass of first order with
-/// s sqrt(a / (2 - a)), a being its coefficient.
+/// Samples of a target at rest have the expected mean and deviation after each of the device's filters: white
+/// noise of s rms leaves a first-order low-pass with s sqrt(a / (2 - a)), where a is its coefficient.
 #[test]
 fn noise_is_white_and_gaussian() {
     let mut random = Random::new(7);
@@ -124,7 +127,7 @@ fn noise_is_white_and_gaussian() {
         let (samples, mut sum, mut squares, mut beyond) = (400_000, 0.0, 0.0, 0);
         let a = 1.0 - (-std::f64::consts::TAU * edge / f64::from(SAMPLE_RATE)).exp();
         let expected = noise * (a / (2.0 - a)).sqrt();
-        // The filter begins with one sample as it is.
+        // The filter begins with one unfiltered sample.
         let settle = 4000;
         for sample in 0..samples + settle {
             let position = sensor.sample(&at(0.0), random.gaussian());
@@ -163,7 +166,7 @@ fn encoders_count_edges_in_both_directions() {
         (rotary, 1.0, 4096),
         (rotary, 15.999, 65_531),
         (rotary, 16.0, 0),
-        // Just below an edge it is the count before.
+        // Just below an edge the count is the one before.
         (rotary, 1.0 - 1e-9, 4095),
         (rotary, -1e-9, 65_535),
         (rotary, -0.25, 64_512),

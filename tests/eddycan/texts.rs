@@ -1,9 +1,9 @@
-//! What a bus monitor prints of errors and answers.
+//! Test of the texts that a bus monitor prints of errors and answers.
 
 use core::fmt::Display;
 use narx_core::bus::eddycan::{AbortCode, DecodeError, ErrorCode, Target};
 
-/// Tables 10 and 13, each number with what it says.
+/// Each code of Tables 10 and 13 has its number and its meaning in its text.
 #[test]
 fn codes_are_told_with_their_numbers() {
     let cases: [(&dyn Display, &str); 10] = [

@@ -1,4 +1,4 @@
-//! The wire format against frames written by hand from the specification, both ways.
+//! Tests of the wire format against frames written by hand from the specification, in both directions.
 
 use crate::bench::{BITRATES, frame, node};
 use narx_core::bus::eddycan::{
@@ -194,7 +194,7 @@ fn frames_that_are_no_messages() {
     }
 }
 
-/// Every identifier is either one of Table 3 or nobody's, and comes back as it was.
+/// Every identifier is either one of Table 3 or unknown, and is encoded to itself again.
 #[test]
 fn every_identifier() {
     let mut known = 0;
@@ -221,7 +221,7 @@ fn node_ids_are_1_to_127() {
     }
 }
 
-/// Tables 1 and 6.
+/// Bitrates and their indices are those of Tables 1 and 6.
 #[test]
 fn bitrates() {
     let metres = [1000, 500, 250, 50, 25];
@@ -288,7 +288,7 @@ proptest! {
         }
     }
 
-    /// Whatever is understood is understood again when it is sent anew.
+    /// Every message that is decoded is decoded to the same again after it was encoded.
     #[test]
     fn any_frame_both_ways(id in 0..0x800_u16, remote: bool, data in prop::collection::vec(any::<u8>(), 0..=8)) {
         let id = Id::standard(id).unwrap();

@@ -1,4 +1,5 @@
-//! TX-Drivers on a bus with a host, and a shaft that turns evenly: the bench without its drive, at any bitrate.
+//! TX-Drivers on a bus with a host, and a shaft that turns evenly: the bench without its drive, at any
+//! bitrate.
 
 use crate::bench::{configured, node};
 use narx_core::bus::Frame;
@@ -8,7 +9,7 @@ use narx_sim::can::{Bus, NodeIndex, Received};
 use narx_sim::sensor::Shaft;
 use narx_sim::tx_driver::{Device, TxDriverConfig, TxDrivers};
 
-/// Ticks of the bench, ns.
+/// Duration of a tick of the bench, ns.
 const TICK: u64 = 100_000;
 
 pub(crate) struct Wired {
@@ -17,11 +18,11 @@ pub(crate) struct Wired {
     pub(crate) host: NodeIndex,
     pub(crate) now: u64,
     pub(crate) shaft: Shaft,
-    /// Revolutions a second.
+    /// Speed of the shaft, revolutions per second.
     pub(crate) rate: f64,
 }
 
-/// Factory values but for these.
+/// Configuration of a driver: factory values, except these.
 pub(crate) fn driver(id: u8, values: &[(Entry, u32)]) -> TxDriverConfig {
     let values: Vec<(Entry, u32)> = values.iter().copied().chain([(Entry::NodeId, id.into())]).collect();
     TxDriverConfig { configuration: configured(&values), ..TxDriverConfig::new(node(id)) }
@@ -50,12 +51,12 @@ impl Wired {
         self.send(ToNode::Nmt { command, target: Target::All });
     }
 
-    /// Lets so many milliseconds pass; what the host hears.
+    /// Lets these many milliseconds pass; returns the frames that the host receives.
     pub(crate) fn run(&mut self, milliseconds: u64) -> Vec<Received> {
         (0..milliseconds * 1_000_000 / TICK).flat_map(|_| self.tick()).collect()
     }
 
-    /// Lets one tick of the bench pass; what the host hears.
+    /// Lets one tick of the bench pass; returns the frames that the host receives.
     pub(crate) fn tick(&mut self) -> Vec<Received> {
         self.now += TICK;
         self.shaft.turns += self.rate * TICK as f64 * 1e-9;

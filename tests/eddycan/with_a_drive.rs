@@ -1,4 +1,4 @@
-//! A drive and up to 127 TX-Drivers on one bus of 500 kbit/s.
+//! Tests of a drive and up to 127 TX-Drivers on one bus of 500 kbit/s.
 
 use crate::bench::node;
 use crate::wired::{driver, read};
@@ -26,7 +26,7 @@ fn session() -> Session {
     session
 }
 
-/// With so many TX-Drivers that share half of the bus, in Operational from their power-up.
+/// A drive with `nodes` TX-Drivers that share half of the bus, in Operational from their power-up.
 fn half_loaded(nodes: u8) -> Session {
     let mut session = session();
     add(
@@ -44,7 +44,7 @@ fn add(session: &mut Session, nodes: u8, values: &[(Entry, u32)]) {
     }
 }
 
-/// Everything that passes on the bus for a time, with the end of each frame in ns.
+/// Frames that pass on the bus within a time, with the end of each in ns.
 fn overheard(session: &mut Session, seconds: f64) -> Vec<(u64, Frame)> {
     let end = session.bench().now_ns() + (seconds * 1e9) as u64;
     let mut heard = Vec::new();
@@ -59,7 +59,7 @@ fn send(session: &mut Session, message: ToNode) {
     session.bench_mut().send(message.encode()).unwrap();
 }
 
-/// PDOs of a kind by node.
+/// Numbers of PDOs of a kind by node.
 fn pdos(heard: &[(u64, Frame)], wanted: PdoKind) -> BTreeMap<u8, u32> {
     let mut found = BTreeMap::new();
     for (_, frame) in heard {
@@ -72,8 +72,9 @@ fn pdos(heard: &[(u64, Frame)], wanted: PdoKind) -> BTreeMap<u8, u32> {
     found
 }
 
-/// Frames that passed in a whole number of periods, each counted with the most bits that it can have: half of the bus, within 2 %. What they really take is
-/// less, because few of their stuff bits are there.
+/// Frames within a whole number of periods, each counted with the largest number of bits that it can have,
+/// take half of the bus, within 2 %. Their real share is smaller, because few of the possible stuff bits
+/// occur.
 #[test]
 fn half_of_the_bus_is_half_of_the_bus() {
     for nodes in [1, 2, 10, 127] {
@@ -93,7 +94,8 @@ fn half_of_the_bus_is_half_of_the_bus() {
         println!("{nodes} nodes: {share:.4} of the worst case, bus load {load:.3} with the drive");
         assert!((share - 0.5).abs() < 0.5 * 0.02, "{nodes} nodes: {share}");
         assert_eq!(found.len(), usize::from(nodes));
-        // A position that is late because of the drive's long frames is overwritten by the next: one node alone, at 380 us, loses 0.5 % so.
+        // A position that the drive's long frames delay is overwritten by the next: one node alone, at 380
+        // us, loses 0.5 % in this way.
         let each = periods as u32;
         assert!(
             found.values().all(|count| count.abs_diff(each) <= 1 + each / 100),
@@ -104,11 +106,11 @@ fn half_of_the_bus_is_half_of_the_bus() {
     }
 }
 
-/// Longest time from a request of the host to the drive's answer, of parameters and set-points in turn, ms.
+/// Longest time from a request of the host to the drive's answer, for parameters and set-points in turn, ms.
 fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(&mut Session)) -> f64 {
     let mut worst = 0;
     for request in 0..requests {
-        // Now and then at another place of the nodes' period.
+        // Each request at another phase of the nodes' period.
         overheard(session, 0.0173);
         meanwhile(session);
         let read = request % 2 == 0;
@@ -139,8 +141,9 @@ fn longest_silence(session: &mut Session) -> f64 {
     times.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap() as f64 * 1e-6
 }
 
-/// Every PDO1 wins against the drive's 29 bits, but they come one by one and leave half of the bus. A SYNC of all nodes is another matter: its answers fill
-/// the bus at once.
+/// The drive keeps answering beside 127 nodes: every PDO1 wins against the drive's 29-bit identifiers, but
+/// they come one by one and leave half of the bus. Only a SYNC of all nodes fills the bus at once with its
+/// answers.
 #[test]
 fn the_drive_keeps_answering() {
     let alone = worst_answer(&mut session(), 40, |_| ());
@@ -153,7 +156,7 @@ fn the_drive_keeps_answering() {
     );
     println!("status words: at most {silence:.2} ms apart beside 127 nodes");
     assert!(silence <= 55.0, "{silence} ms");
-    // Behind all that the drive itself broadcasts.
+    // The answer waits for all broadcasts of the drive itself.
     assert!(alone < 3.0, "{alone} ms");
     assert!(half <= 5.0, "{half} ms");
     assert!(burst <= 50.0, "{burst} ms");
@@ -162,7 +165,8 @@ fn the_drive_keeps_answering() {
     assert_eq!(shared.bench().overruns(), 0);
 }
 
-/// As many as there are node-ids. One more is refused, and so is a sensor that cannot be; neither takes a place.
+/// A bus has room for as many TX-Drivers as there are node-ids. A further one is refused, and so is one with
+/// an invalid sensor; neither takes a place.
 #[test]
 fn a_bus_has_room_for_127() {
     let mut session = session();
@@ -176,7 +180,7 @@ fn a_bus_has_room_for_127() {
     assert_eq!(session.bench().tx_drivers().len(), 127);
 }
 
-/// All of them sample at one instant and send one after the other, in the order of their node-ids.
+/// After a SYNC all nodes sample at one instant and send one after the other, in the order of their node-ids.
 #[test]
 fn a_sync_of_127_nodes() {
     let mut session = session();
@@ -206,7 +210,7 @@ fn a_sync_of_127_nodes() {
     assert_eq!(session.bench().bus_statistics().errors, 0);
 }
 
-/// A remote frame asks one node, and no other one answers; 127 of them are all answered.
+/// A remote frame requests the position of one node, and no other answers; 127 of them are all answered.
 #[test]
 fn remote_frames_ask_node_by_node() {
     let mut session = session();
@@ -228,7 +232,7 @@ fn remote_frames_ask_node_by_node() {
     assert!(found.values().all(|count| *count == 1));
 }
 
-/// The motor runs while they measure it: what they send is the shaft, and the drive does not mind.
+/// While the motor runs, the TX-Drivers send the positions of its shaft, and the drive is not affected.
 #[test]
 fn a_running_motor_is_measured() {
     let mut session = session();
@@ -245,14 +249,16 @@ fn a_running_motor_is_measured() {
         }
     }
     assert!((199..=201).contains(&frames), "one every millisecond: {frames}");
-    // 20 um cos(angle) + 5 um cos(2 angle) lies between -15 um and 25 um; five revolutions, forty samples each, noise of 0.1 um.
+    // 20 um cos(angle) + 5 um cos(2 angle) lies between -15 um and 25 um; five revolutions, forty samples
+    // each, noise of 0.1 um.
     let (bottom, top) = (1e3 * (low - 1.0), 1e3 * (high - 1.0));
     assert!((top - 25.0).abs() < 0.8, "{top} um");
     assert!((bottom + 15.0).abs() < 0.8, "{bottom} um");
     assert_eq!(session.bench().status().faults.bits(), 0);
 }
 
-/// Same configuration, same frames; another seed, other noise. A bench knows nothing of drivers that it does not have.
+/// Equal configurations give equal frames, and another seed other noise. A bench without drivers is not
+/// affected by the feature.
 #[test]
 fn the_same_bits_every_time() {
     let run = |seed| {

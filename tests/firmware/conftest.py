@@ -12,9 +12,9 @@ import narx
 import pytest
 
 WALL_SECONDS = 300
-"""Nothing takes longer, on however slow a machine."""
+"""Limit of a test's duration, in seconds of wall time, on a machine of any speed."""
 BROADCAST_SECONDS = 0.05
-"""Between two status words (parameter 111), in the drive's time."""
+"""Time between two status words (parameter 111), in the drive's time."""
 
 REQUEST_WORD, MOTOR_CMD, REBOOT = 0x0AAD5202, 0x0AAD5266, 0x0AAD5265
 PARAMETER_REQUEST, PARAMETER_SET, PARAMETER = 0x0AAD546E, 0x0AAD526E, 0x1552A86E
@@ -25,17 +25,17 @@ STATE, RESET_CAUSE, FAILED_SELF_TESTS = 261, 302, 303
 
 
 class Master:
-    """Sends request and set-point every 50 ms, and remembers what the drive says."""
+    """Sends request word and set-point every 50 ms, and stores the frames that the drive sends."""
 
     def __init__(self, bus):
         self.bus = bus
         self.mode = None
-        """Motor mode of the request word; None sends nothing."""
+        """Motor mode of the request word; None sends no request word."""
         self.rpm = 0
         self.seen = {}
-        """The last data of every identifier."""
+        """Data of the last frame of every identifier."""
         self.log = []
-        """The data of all frames of a log download."""
+        """Data of all frames of a log download."""
         self.broadcasts = 0
         self._due = 0.0
         self._deadline = time.monotonic() + WALL_SECONDS
@@ -49,7 +49,7 @@ class Master:
         self.bus.send(can.Message(arbitration_id=identifier, data=data.ljust(8, b"\0"), is_extended_id=True))
 
     def pump(self):
-        """Keeps the drive informed, and takes a frame if there is one."""
+        """Sends request word and set-point when they are due, and receives one frame if one is waiting."""
         assert time.monotonic() < self._deadline, f"{WALL_SECONDS} s are over"
         if self.mode is not None and time.monotonic() >= self._due:
             self._due = time.monotonic() + 0.05
@@ -64,20 +64,23 @@ class Master:
         return message
 
     def wait(self, seconds, until, what):
-        """Until the condition holds, for at most so many seconds of the drive's time."""
+        """Waits until the condition holds, for at most `seconds` of the drive's time."""
         start = self.broadcasts
         while not until():
             self.pump()
             assert (self.broadcasts - start) * BROADCAST_SECONDS <= seconds, f"no {what} after {seconds} s of drive time"
 
     def run(self, seconds):
-        """Lets the drive's time pass."""
+        """Waits for `seconds` of the drive's time."""
         start = self.broadcasts
         while (self.broadcasts - start) * BROADCAST_SECONDS < seconds:
             self.pump()
 
     def parameter(self, number, seconds=0.5):
-        """Reads a parameter; asks anew with every broadcast, for a drive that reboots loses what arrives meanwhile."""
+        """Reads a parameter.
+
+        Repeats the request with every broadcast: a frame that arrives while the drive reboots is lost.
+        """
         self.seen.pop(PARAMETER, None)
         asked = None
 
@@ -94,14 +97,17 @@ class Master:
         return int.from_bytes(answer[2:6], "big", signed=True)
 
     def write(self, number, value, seconds=1.0):
-        """Writes a parameter; word 3 of the answer."""
+        """Writes a parameter and returns word 3 of the answer, its status."""
         self.seen.pop(PARAMETER, None)
         self.send(PARAMETER_SET, number, value >> 16 & 0xFFFF, value & 0xFFFF)
         self.wait(seconds, lambda: self.answers(number), f"answer to the write of parameter {number}")
         return int.from_bytes(self.seen[PARAMETER][6:8], "big")
 
     def answers(self, number):
-        """Whether the last answer is about this parameter; one may be a late answer to a question that was asked twice."""
+        """Returns whether the last answer is about this parameter.
+
+        It can also be a late answer to an earlier request that was repeated.
+        """
         return PARAMETER in self.seen and int.from_bytes(self.seen[PARAMETER][0:2], "big") == number
 
     def wait_for_state(self, state, seconds):
@@ -110,7 +116,7 @@ class Master:
 
 @pytest.fixture
 def master(request):
-    """A test marked with `arguments` gives them to the image."""
+    """A master on the bus of the virtual drive; the marker `arguments` gives arguments for the image."""
     marker = request.node.get_closest_marker("arguments")
     with virtual_drive(*(marker.args if marker else ())) as bus:
         yield Master(bus)
@@ -125,17 +131,20 @@ def virtual_drive(*arguments):
 
 
 def with_arguments(*arguments):
-    # They stand behind the image's own name in an option of the emulator.
+    # The arguments stand behind the image's own name in an option of the emulator.
     return os.environ["NARX_QEMU"].replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments]))
 
 
 def with_bootloader(flash):
-    """The command for the emulator on this flash, from power-up until it is killed."""
+    """Returns the command that runs the emulator on this flash, from power-up until it is killed."""
     return os.environ["NARX_QEMU_BOOTLOADER"].replace("{flash}", str(flash))
 
 
 class Emulator:
-    """An image that a developer command knows how to start, one word a line with {port} in it: under power until it is cut."""
+    """The emulator, running an image from power-up until `cut`.
+
+    The command comes from `cargo xtask` with one word a line; `{port}` in it stands for the TCP port.
+    """
 
     def __init__(self, command):
         with socket.socket() as probe:
@@ -147,13 +156,13 @@ class Emulator:
             "bitrate": 500_000,
             "sleep_after_open": 0.0,
         }
-        """How python-can finds its bus."""
+        """Arguments for python-can that open this bus."""
         self._output = tempfile.TemporaryFile()
         words = command.replace("{port}", str(port)).split("\n")
         self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=self._output)
 
     def connect(self, opened, **options):
-        """A bus or a drive, as soon as the port is open."""
+        """Opens a bus or a drive as soon as the emulator has opened its port."""
         deadline = time.monotonic() + 30
         while True:
             try:
@@ -164,8 +173,8 @@ class Emulator:
                 time.sleep(0.05)
 
     def said(self):
-        """What the image has printed."""
-        # The emulator writes at the file's own position, which must stay where it is.
+        """Returns everything that the image has printed."""
+        # The emulator writes at the position of the shared file description, which must not move.
         output = self._output.fileno()
         return os.pread(output, os.fstat(output).st_size, 0).decode()
 
@@ -177,7 +186,7 @@ class Emulator:
 
 @contextlib.contextmanager
 def powered(command):
-    """An emulator; what its image has said is shown with a test that fails."""
+    """Runs an emulator, and prints the image's output at the end: pytest shows it if the test fails."""
     emulator = Emulator(command)
     try:
         yield emulator
@@ -188,7 +197,7 @@ def powered(command):
 
 @contextlib.contextmanager
 def running(command):
-    """The bus of an image."""
+    """Runs an image and yields its bus."""
     with powered(command) as emulator:
         bus = emulator.connect(can.Bus)
         try:
@@ -199,14 +208,14 @@ def running(command):
 
 @contextlib.contextmanager
 def operated(command):
-    """A drive of the Python package and the emulator that it runs in."""
-    # A host that is busy may let the drive's self-tests take long.
+    """Yields a drive of the Python package and the emulator that runs it."""
+    # On a busy host the self-tests of the drive can take long.
     with powered(command) as emulator, emulator.connect(narx.connect, timeout=60.0) as drive:
         assert drive.wait_for(lambda: drive.state is narx.State.STANDBY, 60.0)
         yield drive, emulator
 
 
 def spin(drive, rpm):
-    """Starts the motor of the Python package's drive, however much slower than the wall's its time passes."""
+    """Starts the motor through the Python package, even if the drive's time is slower than wall time."""
     drive.start(rpm)
     assert drive.state is narx.State.HALL_CLOSED_LOOP

@@ -115,10 +115,10 @@ def test_the_adapter_tells_its_version_and_serial_number(master):
 def test_an_adapter_at_another_bitrate_hears_and_says_nothing(master):
     master.wait(1.0, lambda: STATUS_WORD in master.seen, "broadcast after power-up")
     master.bus.set_bitrate(250_000)
-    # The adapter still answers, and it does so behind every frame that was on its way.
+    # The adapter still answers, and its answer follows the frames that it had already queued.
     assert master.bus.get_version(30) == (10, 10)
     for _ in range(200):
-        # Nothing, or an older reply of the adapter, or one of those frames.
+        # This receives nothing, an older reply of the adapter, or one of the queued frames.
         master.bus.recv(0)
     for _ in range(100):
         assert master.bus.recv(0.02) is None

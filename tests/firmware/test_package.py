@@ -1,4 +1,7 @@
-"""The emulated board operated by the Python package: what the scope captures, what it records and replays, the log. And its stack, after all that."""
+"""The emulated board operated by the Python package: scope, recordings, log and parameters.
+
+Each test then checks the use of the stack.
+"""
 
 import pathlib
 import re
@@ -20,7 +23,7 @@ PROOF = pathlib.Path(__file__).parents[1] / "golden" / "proof.toml"
 def drive():
     with operated(with_arguments()) as (drive, emulator):
         yield drive
-        # Now and then it looks how much of its stack was used.
+        # The image prints from time to time how much of its stack has been used.
         assert drive.wait_for(lambda: "stack: " in emulator.said(), 60.0)
         used = max(int(mark) for mark in re.findall(r"stack: (\d+) bytes", emulator.said()))
     assert used <= tomllib.loads(PROOF.read_text())["stack"]["program"], "more than is proven to be enough"
@@ -52,7 +55,7 @@ def test_what_the_scope_records_of_a_start_replays_to_the_bits_of_the_board(driv
     assert record.agrees, "the state in the second checkpoint is not what the first one and the inputs lead to"
     record.save(tmp_path / "start.narxrec")
     again = narx.replay(tmp_path / "start.narxrec")
-    # As much as its memory holds, 34 to 68 ms, however much has been asked for.
+    # The recording is as long as the memory allows, 34 to 68 ms, even if more was requested.
     assert again.identical and 340 <= again.ticks <= 680
     states = again["state"].tolist()
     assert states[0] == State.STANDBY and states[-1] != State.STANDBY and set(np.diff(states) != 0) == {True, False}

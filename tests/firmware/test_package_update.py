@@ -1,4 +1,4 @@
-"""The emulated board with its bootloader, programmed by the Python package and by the command `narx`."""
+"""The emulated board with its bootloader, updated by the Python package and by the command `narx`."""
 
 import contextlib
 import os
@@ -16,7 +16,7 @@ from narx import State
 from test_update import NEW, OLD, SEED, image, make_board, standby
 
 LONG = bool(os.environ.get("NARX_LONG"))
-"""Also what takes minutes."""
+"""Switch for the tests that take minutes (NARX_LONG)."""
 STAGES = ["asking", "erasing", "sending", "verifying", "restarting"]
 
 
@@ -34,7 +34,7 @@ def drive(flash):
 
 
 class Progress:
-    """Remembers what it is told, and then does something."""
+    """A progress callback that records its calls and then calls `then`."""
 
     def __init__(self, length, then=lambda stage, done: None):
         self.told, self._length, self._then = [], length, then
@@ -51,7 +51,10 @@ class Progress:
 
 
 def version_that_runs(flash):
-    """After a power cut, asked by who shares no code with the package."""
+    """Returns the version that runs after a power cut.
+
+    The master that reads it shares no code with the package.
+    """
     with running(with_bootloader(flash)) as bus:
         master = Master(bus)
         standby(master)
@@ -65,7 +68,7 @@ def written(folder, content):
 
 
 def idle(offset=0, data=b""):
-    """A short image, some bytes of which are others."""
+    """Returns a short image in which `data` replaces the bytes at `offset`."""
     content = bytearray(image("idle"))
     content[offset : offset + len(data)] = data
     return bytes(content)
@@ -89,7 +92,7 @@ def test_the_drive_says_the_version_of_the_image_that_runs(drive):
 def test_what_the_board_must_not_run_is_refused(drive, tmp_path, place, data, error, message):
     with pytest.raises(error, match=message):
         drive.update(written(tmp_path, idle(place, data)))
-    # It is the same drive as before, and one that drives is not programmed.
+    # The refusal has changed nothing: the motor starts, and a running drive refuses an update.
     assert drive.wait_for(lambda: drive.state is State.STANDBY, 60.0)
     spin(drive, 2000)
     with pytest.raises(narx.RefusedError, match="not in Standby, nor in Fault at standstill"):
@@ -119,7 +122,8 @@ def test_a_power_cut_in_a_transfer_is_an_error_and_the_old_image_runs(flash, tmp
         progress = Progress(len(idle()), lambda stage, done: stage == "sending" and done >= place and emulator.cut())
         with pytest.raises(narx.BusError):
             drive.update(written(tmp_path, idle()), progress)
-        # Nor can it be told to stop, when it is let go of.
+        # On closing, the drive cannot be told to stop either: this raises the BusError that is suppressed
+        # above.
     assert progress.stages == STAGES[:3]
     assert version_that_runs(flash) == OLD
 
@@ -133,7 +137,8 @@ def narx_command(emulator, *arguments):
 
 def test_the_command_tells_why_an_image_is_refused(flash, tmp_path):
     with powered(with_bootloader(flash)) as emulator:
-        # The emulator starts when somebody connects, who may be told that nobody listens yet.
+        # The image starts with the first connection, and connections are refused until the port is open.
+        # `connect` repeats the attempt; the command does not.
         emulator.connect(can.Bus).shutdown()
         path = written(tmp_path, idle(448, bytes(64)))
         done = narx_command(emulator, "update", str(path))
@@ -153,5 +158,5 @@ def test_the_whole_drive_is_programmed_by_the_command(flash, tmp_path):
     assert done.stdout == f"software {major}.{minor}, build {build} runs\n"
     assert STAGES[-1] in done.stderr and "100%" in done.stderr
     print(f"{len(image('new'))} bytes in {time.monotonic() - begin:.0f} s")
-    # What was confirmed stays.
+    # The confirmed image still runs after a power cut.
     assert version_that_runs(flash) == NEW

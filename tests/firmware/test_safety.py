@@ -1,4 +1,4 @@
-"""What the drive does about itself: resets of the watchdog, and self-tests that fail."""
+"""Reactions of the drive to its own failures: watchdog resets and failed self-tests."""
 
 import pytest
 from conftest import FAILED_SELF_TESTS, FAULT_WORD, MEASUREMENT_5, REBOOT, RESET_CAUSE, STATE, STATUS_WORD
@@ -33,14 +33,14 @@ def test_the_drive_tells_why_it_started(master):
 def test_a_drive_that_hung_at_speed_comes_back_in_standby_and_stays_there(master):
     drive(master)
     master.wait(1.0, lambda: abs(master.speed - 2000) <= 20, "set-point")
-    # It hangs soon, and the master goes on to request Drive.
+    # The drive hangs soon. The master goes on sending Drive requests.
     master.wait(6.0, lambda: master.seen.get(STATUS_WORD, b"")[2:3] == b"\0", "restart")
     assert master.parameter(RESET_CAUSE) == WATCHDOG
     for _ in range(10):
         master.run(0.05)
         assert master.parameter(STATE) in (INITIALIZATION, STANDBY)
     assert master.seen[MEASUREMENT_5][0:2] == b"\0\0"
-    # A Standby request and then a Drive request start it.
+    # The motor starts only after a Standby request and a new Drive request.
     master.mode = STANDBY_REQUEST
     master.run(0.2)
     drive(master)
@@ -62,7 +62,7 @@ def stops_for_good(master, bits, seconds):
     master.wait(seconds, lambda: faults(master) & SELF_TEST_FAULT, "fault 27")
     assert master.parameter(FAILED_SELF_TESTS) == bits
     master.wait_for_state(FAULT, 0.1)
-    # What would clear another fault does not help, and nothing starts.
+    # The requests that clear another fault do not clear this one, and the motor does not start.
     master.mode = STANDBY_REQUEST
     master.run(0.8)
     master.mode = DRIVE_REQUEST

@@ -1,4 +1,4 @@
-"""The emulated board with its bootloader: updated over the bus, and switched off at any instant of that."""
+"""The emulated board with its bootloader: updates over the bus, with power cuts at any instant."""
 
 import os
 import pathlib
@@ -22,13 +22,13 @@ def image(name):
 
 
 def make_board(path, name="old"):
-    """A board as it leaves the factory: one image runs, all else is erased."""
+    """Writes the flash of a new board: one valid image, everything else erased."""
     content = image(name)
     path.write_bytes(content + b"\xff" * (PSRAM - len(content)))
 
 
 def started(flash):
-    """The emulator on this flash, from power-up until it is killed."""
+    """Runs the emulator on this flash, from power-up until it is killed, and yields its bus."""
     return running(with_bootloader(flash))
 
 
@@ -44,7 +44,7 @@ def restart(master):
 
 
 def put_candidate(flash, content):
-    """What lies in the slot for the next boot is another image."""
+    """Replaces the image in the slot for the next boot."""
     with flash.open("r+b") as file:
         file.seek(DFU)
         file.write(content.ljust(DFU_LENGTH, b"\xff"))
@@ -52,7 +52,10 @@ def put_candidate(flash, content):
 
 @pytest.fixture(scope="module")
 def marked(tmp_path_factory):
-    """What a transfer over the bus leaves, after some that were cut off: the old image with parameters of its own, another marked."""
+    """A flash after several interrupted transfers and a complete one over the bus.
+
+    The old image runs with a changed parameter; another, short image is marked for the next boot.
+    """
     draw = random.Random(SEED)
     path, short = tmp_path_factory.mktemp("flash") / "marked", image("idle")
     make_board(path)
@@ -79,7 +82,10 @@ def marked(tmp_path_factory):
 
 @pytest.fixture
 def flash(marked, tmp_path):
-    """The same flash for every test, in which the new drive waits: as long as it is, sending it takes minutes."""
+    """A copy of the flash for each test, with the new drive's image in the slot for the next boot.
+
+    The image is written to the flash directly: a transfer over the bus would take minutes.
+    """
     path = tmp_path / "flash"
     shutil.copy(marked, path)
     put_candidate(path, image("new"))

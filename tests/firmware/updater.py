@@ -1,4 +1,4 @@
-"""The master's side of an update, frame by frame (PROTOCOL.md): a counterpart that shares no code with the drive's."""
+"""The master's side of an update, frame by frame (PROTOCOL.md). It shares no code with the drive's side."""
 
 import zlib
 
@@ -16,7 +16,7 @@ def words(number):
 
 
 def status(master):
-    """State, code, window in blocks, offset in bytes: as the drive says when it is asked."""
+    """Requests the update status: state, code, window in blocks, offset in bytes."""
     master.seen.pop(UPDATE_STATUS, None)
     ask(master, UPDATE_STATUS_REQUEST, UPDATE_STATUS)
     return last_status(master)
@@ -28,7 +28,7 @@ def last_status(master):
 
 
 def version(master):
-    """Major, minor, patch, build of the running image."""
+    """Requests the version of the running image: major, minor, patch, build."""
     master.seen.pop(UPDATE_VERSION, None)
     ask(master, UPDATE_VERSION_REQUEST, UPDATE_VERSION)
     data = master.seen[UPDATE_VERSION]
@@ -36,7 +36,10 @@ def version(master):
 
 
 def ask(master, request, answer):
-    """Asks anew with every broadcast: a drive that restarts loses what arrives meanwhile."""
+    """Sends a request and waits for its answer.
+
+    Repeats the request with every broadcast: a frame that arrives while the drive restarts is lost.
+    """
     asked = None
 
     def answered():
@@ -50,7 +53,7 @@ def ask(master, request, answer):
 
 
 def send(master, image, stop_at=None):
-    """Sends an image until it is marked, or up to the byte `stop_at`."""
+    """Sends an image until it is marked for the next boot, or up to the byte `stop_at`."""
     master.seen.pop(UPDATE_STATUS, None)
     master.send(UPDATE_BEGIN, *words(len(image)), *words(HARDWARE))
     master.wait(30.0, lambda: UPDATE_STATUS in master.seen and status(master)[0] == RECEIVING, "slot")

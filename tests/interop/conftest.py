@@ -1,12 +1,16 @@
-"""What several tests begin with."""
+"""Fixtures that several test modules share."""
 
 import pytest
 
 
 @pytest.fixture
 def master():
-    """`master("2,3:dual")` powers up a virtual drive with these TX-Drivers, ten times as fast as the clock if the machine can, and connects to its bus."""
-    # Here, because tests that need no drive need none of this either.
+    """A function that powers up a virtual drive and connects to its bus.
+
+    `master("2,3:dual")` adds these TX-Drivers. The drive runs at ten times real time, if the machine is fast
+    enough.
+    """
+    # Imported here: tests without a drive do not need these modules.
     from tx_driver import Master
     from virtual_drive import Drive
 
@@ -16,7 +20,7 @@ def master():
         drives.append(Drive("--tx-drivers", tx_drivers, "--speed", speed))
         masters.append(Master(drives[-1]))
         masters[-1].drive = drives[-1]
-        # Power-up is over when the drive broadcasts.
+        # The first broadcast of the drive ends its power-up.
         masters[-1].settle()
         return masters[-1]
 

@@ -1,4 +1,4 @@
-"""cantools reads the database of every message, and decodes what narx decodes."""
+"""cantools reads the database of all messages, and decodes the same values as narx."""
 
 import csv
 import math
@@ -13,7 +13,7 @@ import pytest
 SAMPLES = Path(os.environ["NARX_INTEROP"])
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "docs" / "narx.dbc"
-# The rows of the tables of parameters.
+# Numbers of the rows in PROTOCOL.md's tables of parameters.
 PARAMETERS = re.findall(r"^\| (\d+) \| [0-9a-f]+ \| .* \| (?:live|read-only|stopped) \|", (ROOT / "PROTOCOL.md").read_text(), re.M)
 
 
@@ -24,7 +24,7 @@ def database():
 
 @pytest.fixture(scope="module")
 def frames():
-    """Identifier, data and the signals of each frame."""
+    """Identifier, data and signals of each frame."""
     with open(SAMPLES / "decoded.csv", newline="") as table:
         rows = list(csv.DictReader(table))
     groups, current = [], None
@@ -42,7 +42,7 @@ def test_the_committed_database_is_the_one_of_this_code():
 
 
 def test_every_message_is_there(database, frames):
-    # 33 of the specification (Figure 14 and the request of REBOOT), 11 of programming.
+    # 33 messages of the specification (with Figure 14 and the request of REBOOT), and 11 of the update.
     assert len(database.messages) == 33 + 11
     assert all(message.is_extended_frame and message.length == 8 for message in database.messages)
     assert {message.frame_id for message in database.messages} == {identifier for identifier, _, _ in frames}
@@ -59,7 +59,7 @@ def test_both_decode_the_same(database, frames):
 
 def test_both_encode_the_same(database, frames):
     for identifier, data, expected in frames:
-        # Strict: within the ranges that the database states.
+        # `strict` refuses values outside the ranges of the database.
         again = database.encode_message(identifier, expected, scaling=True, strict=True)
         unused = bytes(a & ~b for a, b in zip(data, again))
         assert not any(unused) or "FAULT" in database.get_message_by_frame_id(identifier).name, data.hex()

@@ -1,4 +1,4 @@
-"""What the main job leaves behind, read by other people's tools."""
+"""Files that the demo run writes, read by independent tools."""
 
 import csv
 import os

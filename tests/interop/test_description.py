@@ -1,4 +1,4 @@
-"""The description that the drive serves: well formed, of its schema, and of one mind with the database."""
+"""The description that the drive serves is well formed, valid by its schema, and agrees with the database."""
 
 import os
 import xml.etree.ElementTree as ElementTree

@@ -10,7 +10,7 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 MM = 2**27
 
-# File, what its PDOs carry in raw values, and the bytes (PROTOCOL.md, section 10.3).
+# File, values of the PDO's objects in raw units, and the bytes of the PDO (PROTOCOL.md, section 10.3).
 LAYOUTS = [
     ("eddycan-single.eds", {"Position 1": MM}, struct.pack("<i", MM)),
     ("eddycan-dual.eds", {"Position 1": MM, "Position 2": -2 * MM}, struct.pack("<ii", MM, -2 * MM)),
@@ -28,7 +28,7 @@ def test_pdos_decode(name, expected, data):
     network = canopen.Network()
     node = network.add_node(2, str(DOCS / name))
     node.tpdo.read(from_od=True)
-    # Identifiers of section 3.2's example; only PDO3 answers remote frames.
+    # The identifiers are those of the example in section 3.2; only PDO3 answers remote frames.
     assert [node.tpdo[number].cob_id for number in (1, 2, 3)] == [0x182, 0x282, 0x382]
     assert [node.tpdo[number].rtr_allowed for number in (1, 2, 3)] == [False, False, True]
     for number in (1, 2, 3):
@@ -49,7 +49,7 @@ def test_objects(name):
     assert not objects[0x2100].writable and not objects[0x200A].readable
 
 
-# What a master sends, and what the device answers: the same frames as in tests/eddycan/eds.rs, where the device is asked.
+# Requests of a master and answers of the device. tests/eddycan/eds.rs checks the device with the same frames.
 EXCHANGE = [
     ("2b0320000a000000", "6003200000000000"),
     ("2307200100000010", "6007200100000000"),
@@ -59,7 +59,7 @@ EXCHANGE = [
 
 
 class Device(canopen.Network):
-    """A bus on which node 1 answers as the table says."""
+    """A bus with a node 1 that answers from the table."""
 
     def __init__(self):
         super().__init__()

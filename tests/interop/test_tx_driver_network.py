@@ -1,4 +1,4 @@
-"""States, heartbeats and error messages of TX-Drivers, as python-canopen and python-can see them."""
+"""States, heartbeats and error messages of TX-Drivers, seen by python-canopen and python-can."""
 
 import pytest
 from tx_driver import (
@@ -26,14 +26,18 @@ from tx_driver import (
 from virtual_drive import BROADCAST_SECONDS
 
 HEARTBEAT_SECONDS = 2.0
-"""Section 3.4.1."""
+"""Period of the heartbeat (section 3.4.1)."""
 AUTOSTART, HEARTBEATS = 1, 4
 """Bits of the Can Config Register (table 7)."""
 READ = sdo(0x40, 0x2002)
 
 
 def state(master, node):
-    """By what a node does (section 3.4): SDO in Pre-Operational, refused in Operational, where a SYNC is answered, and nothing in Stopped."""
+    """Returns the state of a node, concluded from its behaviour (section 3.4).
+
+    In Pre-Operational the node answers an SDO request. In Operational it refuses the request and answers a
+    SYNC. In Stopped it answers nothing.
+    """
     since = master.now
     master.network.sync.transmit()
     master.send(REQUEST + node, READ)
@@ -83,10 +87,10 @@ def test_a_command_goes_to_one_node_or_to_all(master):
 
 def test_canopen_finds_the_nodes_of_a_bus(master):
     master = master("2,3:dual,127")
-    # It asks everybody for an entry that these nodes do not have; their aborts tell where they are.
+    # The search requests an entry that these nodes do not have. Each node that exists answers with an abort.
     master.network.scanner.search()
     master.settle()
-    # In the order in which they answer.
+    # The scanner lists the nodes in the order of their answers.
     assert sorted(master.network.scanner.nodes) == [2, 3, 127]
 
 
@@ -97,7 +101,7 @@ def test_what_is_no_command_changes_nothing(master):
         master.send(NMT, data)
     for length in range(9):
         master.send_remote(NMT, length)
-    # CANopen's node guarding.
+    # A request of CANopen's node guarding.
     master.send_remote(HEARTBEAT + 2, 1)
     assert state(master, 2) == PRE_OPERATIONAL
     assert master.heard(HEARTBEAT + 2, since) == [] and master.heard(ERROR + 2, since) == []
@@ -165,18 +169,20 @@ def test_an_unknown_command_is_a_protocol_error_low_byte_first(master):
     master = master("2,3")
     node = master.node(2)
     master.node(3)
-    # Table 13: 8200h. Reset communication (130), which CANopen has and table 11 has not.
+    # An unknown command is error 8200h (table 13). Command 130 is CANopen's reset communication; table 11
+    # does not list it.
     since = master.now
     master.command(130, 2)
     assert master.heard(ERROR + 2, since) == [b"\x00\x82"]
     assert master.heard(ERROR + 3, since) == [], "it was not meant"
     assert state(master, 2) == PRE_OPERATIONAL and master.heard(HEARTBEAT + 2, since) == []
-    # To all nodes: nobody answers, or one command would fill the bus.
+    # An unknown command to all nodes causes no error message: otherwise one command would fill the bus.
     master.let_pass(1.0)
     since = master.now
     master.command(130, 0)
     assert master.heard(ERROR + 2, since) + master.heard(ERROR + 3, since) == []
-    # Two bytes are too few for python-canopen's consumer of eight: hence python-can here.
+    # An error message has two bytes, but python-canopen's consumer expects eight. Therefore python-can reads
+    # it above.
     assert node.emcy.log == []
 
 
@@ -212,9 +218,11 @@ def test_a_neighbour_at_another_bitrate_makes_a_node_error_passive(master):
     neighbour.sdo["Bitrate Index"].raw = 2
     master.command(START, 2)
     since = master.now
-    # At 250 kbit/s it takes every frame for an error, and says so until it is error passive itself.
+    # The neighbour at 250 kbit/s sees an error in every frame, and sends error flags until it is error
+    # passive.
     neighbour.nmt.send_command(RESET)
-    # Table 13: 8120h, as soon as frames pass again, and a second later once more if the message was lost with the bus.
+    # Error 8120h (table 13) is sent as soon as frames pass again. If the node went off the bus before the
+    # message was sent, it sends the message again a second later.
     master.wait(ERROR + 2, since)
     master.let_pass(2.0)
     assert set(master.heard(ERROR + 2, since)) == {b"\x20\x81"}

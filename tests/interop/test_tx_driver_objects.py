@@ -1,4 +1,7 @@
-"""python-canopen reads and writes every entry of a TX-Driver's object dictionary, and is told why where it may not."""
+"""python-canopen reads and writes every entry of a TX-Driver's object dictionary.
+
+A wrong access aborts with the code of its reason.
+"""
 
 import gc
 
@@ -26,7 +29,8 @@ from tx_driver import (
     sdo,
 )
 
-# Table 4, with the ranges of section 3.3.2; the factory values are PROTOCOL.md's. Index, subindex, bytes, least and largest value, factory value.
+# Entries of table 4, with the ranges of section 3.3.2 and the factory values of PROTOCOL.md: index, subindex,
+# bytes, minimum, maximum, factory value.
 ENTRIES = [
     (0x2000, 0, 1, 1, 127, 1),
     (0x2001, 0, 1, 0, 4, 3),
@@ -44,9 +48,9 @@ ENTRIES = [
 RESERVED = {0x2005: 1}
 """Bits that must stay 0 (table 8)."""
 WRITE = 0x22
-"""The specification's own command (table 5)."""
+"""Write command of the specification, for every size (table 5)."""
 SIZED = {1: 0x2F, 2: 0x2B, 3: 0x27, 4: 0x23}
-"""Those of CANopen, by their number of bytes."""
+"""Write commands of CANopen, by number of bytes."""
 READ = 0x40
 VALUE = {1: 0x4F, 2: 0x4B, 4: 0x43}
 WRITTEN = 0x60
@@ -59,25 +63,25 @@ def name(entry):
 
 
 def variable(node, index, subindex):
-    """What python-canopen calls an entry."""
+    """Returns the python-canopen object of an entry."""
     return node.sdo[index][subindex] if subindex else node.sdo[index]
 
 
 def code_of(call, *arguments, **options):
-    """The code that a call is aborted with."""
+    """Returns the abort code of a call."""
     with pytest.raises(canopen.SdoAbortedError) as aborted:
         call(*arguments, **options)
     return aborted.value.code
 
 
 def samples(least, most, reserved):
-    """Values at the ends of the range and between, and a pattern with different bytes."""
+    """Returns valid values: the ends of the range, values between, and a pattern of different bytes."""
     values = {least, least + 1, (least + most) // 2, most - 1, most, 0x01020304 & most}
     return sorted(value for value in values if least <= value <= most and not value & reserved)
 
 
 def wrong(size, least, most, reserved):
-    """Values beside the range, at the ends of what fits, and with reserved bits."""
+    """Returns invalid values: just outside the range, the largest that fit, and with reserved bits."""
     values = {least - 1, most + 1, 256**size - 1, 1 << (8 * size - 1)}
     inside = {value for value in range(least, min(most, 16) + 1) if value & reserved}
     return sorted({value for value in values if 0 <= value < 256**size and not least <= value <= most} | inside)
@@ -85,8 +89,11 @@ def wrong(size, least, most, reserved):
 
 @pytest.fixture
 def no_stray_requests():
-    """A transfer of python-canopen that was aborted sends once more when it is thrown away. Here that is not in the thread that listens, which would wait for
-    itself."""
+    """Delays the garbage collection to the end of the test.
+
+    python-canopen sends one more request when it collects an aborted transfer. If the receiving thread
+    collected it, that thread would wait for an answer that only the same thread can receive.
+    """
     gc.disable()
     yield
     gc.collect()
@@ -95,7 +102,7 @@ def no_stray_requests():
 
 @pytest.fixture
 def bus(master):
-    """A master with node 2 on its bus, and that node."""
+    """A master with node 2 on its bus, and this node."""
     master = master(f"{NODE}")
     return master, master.node(NODE)
 
@@ -111,7 +118,7 @@ def test_the_eds_says_what_the_specification_does(bus):
 def test_every_entry_is_read_with_its_size_and_factory_value(bus):
     master, node = bus
     for index, subindex, size, _, _, factory in ENTRIES:
-        # This node is not number 1, as it would come from the factory.
+        # The fixture gives the node the number 2; the factory value is 1.
         expected = (NODE if index == 0x2000 else factory).to_bytes(size, "little")
         assert node.sdo.upload(index, subindex) == expected
         assert variable(node, index, subindex).raw == int.from_bytes(expected, "little")
@@ -150,7 +157,7 @@ def test_sized_commands_need_the_right_size_and_22h_needs_none(bus, entry):
             assert master.ask(NODE, sdo(command, index, subindex, data)) == aborted(index, subindex, GENERAL)
             assert code_of(node.sdo.download, index, subindex, data) == GENERAL
     assert variable(node, index, subindex).raw == first
-    # The entry knows its size: what stands behind it does not count.
+    # The device takes the size of the entry, and ignores the bytes behind it.
     spare = second.to_bytes(size, "little").ljust(4, b"\xa5")
     assert master.ask(NODE, sdo(WRITE, index, subindex, spare)) == sdo(WRITTEN, index, subindex)
     assert variable(node, index, subindex).raw == second
@@ -158,7 +165,7 @@ def test_sized_commands_need_the_right_size_and_22h_needs_none(bus, entry):
 
 def test_the_specifications_own_frames(bus):
     master, node = bus
-    # Section 3.3.2: a comparator value of 0.5 is 536870912; section 3.3.1: low bytes first.
+    # A comparator value of 0.5 is 536870912 (section 3.3.2). Low bytes come first (section 3.3.1).
     node.sdo["Comparator"][1].raw = 0
     assert master.ask(NODE, bytes.fromhex("22 07 20 01 00 00 00 20")) == bytes.fromhex("60 07 20 01 00 00 00 00")
     assert node.sdo["Comparator"][1].raw == 536870912
@@ -181,7 +188,7 @@ def test_subindices(bus):
         for subindex in (0, 3, 255):
             assert code_of(node.sdo.upload, index, subindex) == NO_SUBINDEX
             assert master.ask(NODE, sdo(WRITE, index, subindex)) == aborted(index, subindex, NO_SUBINDEX)
-    # Section 3.3.1: if there are none, the result is always the entry at 0.
+    # For an entry without subindices, every subindex reads and writes the entry itself (section 3.3.1).
     node.sdo["Update Time"].raw = 500
     for subindex in (1, 2, 255):
         assert node.sdo.upload(0x2003, subindex)[:2] == (500).to_bytes(2, "little")
@@ -194,7 +201,7 @@ def test_indices_that_do_not_exist(bus):
     for index in (0x0000, 0x1000, 0x1017, 0x1800, 0x1FFF, 0x200B, 0x20FF, 0x2101, 0x2200, 0xFFFF):
         assert code_of(node.sdo.upload, index, 0) == NO_INDEX
         assert code_of(node.sdo.download, index, 0, b"\0") == NO_INDEX
-    # So PDOs are described by the file alone.
+    # The node therefore has no entries that describe PDOs: only the EDS file describes them.
     assert code_of(node.tpdo.read) == NO_INDEX
 
 
@@ -205,7 +212,7 @@ def test_what_can_only_be_read_or_only_be_written(bus):
     assert master.ask(NODE, sdo(WRITE, 0x2100)) == aborted(0x2100, 0, READ_ONLY)
     assert node.sdo[0x2100].raw == before
     assert code_of(node.sdo.upload, 0x200A, 0) == WRITE_ONLY
-    # No data, or any, is confirmed.
+    # A write is confirmed with any data and with none.
     node.sdo["Reset Encoder"].raw = 0
     for length in (1, 2, 3, 4):
         node.sdo.download(0x200A, 0, b"\xff" * length)
@@ -250,7 +257,8 @@ def test_what_is_no_request_has_no_answer(bus):
         master.send(REQUEST + NODE, request[:length])
     for length in range(9):
         master.send_remote(REQUEST + NODE, length)
-    # An abort, by hand and by python-canopen, and what is for other nodes or goes the other way.
+    # An abort written by hand, one of python-canopen, requests to other nodes, and a frame with the
+    # identifier of an answer.
     master.send(REQUEST + NODE, sdo(0x80, 0x2002))
     node.sdo.abort()
     master.send(REQUEST + NODE + 1, request)
@@ -286,10 +294,10 @@ def test_a_restart_keeps_what_was_written(bus):
     written = {}
     for index, subindex, _, least, most, _ in ENTRIES[2:]:
         reserved = RESERVED.get(index, 0)
-        # Not Operational by itself, where no SDO could tell.
+        # The value must not set "Operational after boot-up": in Operational the entries could not be read.
         written[index, subindex] = 6 if index == 0x2004 else samples(least, most, reserved)[-2]
         variable(node, index, subindex).raw = written[index, subindex]
-    # A refused value is not kept either.
+    # A refused value is not stored.
     assert code_of(node.sdo.download, 0x2002, 0, b"\x80") == RANGE_EXCEEDED
     later(node.nmt.send_command, RESET)
     node.nmt.wait_for_bootup(30)
@@ -320,10 +328,10 @@ def test_a_bitrate_acts_after_a_restart(bus):
     assert node.sdo["Bitrate Index"].raw == 2
     since = master.now
     node.nmt.send_command(RESET)
-    # At first it destroys the frames of all others.
+    # At first the node destroys the frames of all others.
     master.let_pass(1.0)
     master.send(REQUEST + NODE, sdo(READ, 0x2001))
     master.settle()
-    # At 250 kbit/s it neither understands nor is understood, and the drive goes on.
+    # At 250 kbit/s the node can neither receive nor send frames; the drive goes on.
     assert master.heard(HEARTBEAT + NODE, since) == []
     assert master.heard(ANSWER + NODE, since) == []

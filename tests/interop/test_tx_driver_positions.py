@@ -1,4 +1,4 @@
-"""Positions of TX-Drivers: what python-canopen makes of PDOs with the EDS of each layout, and when they come."""
+"""Positions of TX-Drivers: PDOs of each layout, decoded by python-canopen with the EDS, and their times."""
 
 import pytest
 from tx_driver import PATIENCE, PDO1, PDO2, PDO3, PRE_OPERATIONAL, START, STATUS, STOP, SYNC, later
@@ -6,7 +6,7 @@ from virtual_drive import BROADCAST_SECONDS
 
 NODE = 2
 MM = 2**27
-"""A millimetre in a position of 4 bytes; of 3 bytes it is 2^19 (section 3.1)."""
+"""Raw value of 1 mm in a position of 4 bytes. In a position of 3 bytes it is 2^19 (section 3.1)."""
 ENCODER = 2
 """Bit of the Can Config Register: PDOs carry the encoder (table 7)."""
 BITRATE = 500_000
@@ -16,7 +16,8 @@ def signed(data):
     return int.from_bytes(data, "little", signed=True)
 
 
-# EDS, what the command line calls the driver, and figures 2 to 5: name, first byte, byte behind the last, and how many of it are a millimetre.
+# By the name of the EDS: the driver on the command line, and the objects of figures 2 to 5. Of each object:
+# name, first byte, byte behind the last, raw value of 1 mm.
 LAYOUTS = {
     "single": ("2", [("Position 1", 0, 4, MM)]),
     "dual": ("2:dual", [("Position 1", 0, 4, MM), ("Position 2", 4, 8, MM)]),
@@ -27,7 +28,7 @@ LAYOUTS = {
 
 @pytest.fixture(params=LAYOUTS)
 def operational(request, master):
-    """A node of each layout in Operational: master, node and its layout."""
+    """A node of each layout in Operational: master, node and layout."""
     return begin(master, request.param)
 
 
@@ -52,7 +53,7 @@ def decoded(pdo):
 
 
 def read(master, node, number, ask):
-    """The first PDO that comes when it is asked for: its bytes, and what python-canopen reads in them."""
+    """Triggers a PDO, and returns its bytes and the values that python-canopen decodes."""
     pdo, seen, since = node.tpdo[number], [], master.now
     pdo.add_callback(lambda pdo: seen.append(decoded(pdo)))
     later(ask)
@@ -81,7 +82,8 @@ def test_all_three_pdos_carry_the_positions_of_the_layout(operational):
         if name == "Encoder":
             assert shown == [0, 0, 0], "the shaft stands"
         else:
-            # The sensors look at a shaft 1 mm away that is not quite round: three times the same, but for noise.
+            # The shaft is 1 mm away and slightly out of round. It stands, so the three readings differ only
+            # by noise.
             assert all(abs(raw / per_mm - 1.0) < 0.05 for raw in shown), shown
             assert max(shown) - min(shown) < 0.002 * per_mm, shown
 
@@ -111,7 +113,7 @@ def test_only_a_remote_frame_of_the_exact_length_is_answered(operational):
         master.send_remote(PDO3 + NODE, dlc)
         master.settle()
         assert [len(data) for data in master.heard(PDO3 + NODE, since)] == ([length] if dlc == length else []), dlc
-    # Data frames with the identifier ask for nothing, and neither do remote frames for other PDOs or nodes.
+    # Data frames with the identifier trigger nothing; remote frames for other PDOs or nodes neither.
     since = master.now
     master.send(PDO3 + NODE, bytes(length))
     master.send(PDO3 + NODE, b"")
@@ -136,7 +138,7 @@ def test_nothing_comes_but_in_operational(master):
 
 
 def count(master, identifier, words):
-    """Frames with an identifier in so many periods of the status word."""
+    """Counts the frames with an identifier during `words` periods of the status word."""
     since = master.now
     master.wait(STATUS, since, words + 1)
     places = [since + place for place, frame in enumerate(master.ears.frames[since:]) if frame.arbitration_id == STATUS]
@@ -156,7 +158,11 @@ def test_an_update_time_of_0_sends_no_pdo1(master):
 
 
 def half_of_the_bus(nodes, length):
-    """Seconds between two PDO1 of a node at update time 65535: all nodes together take half of the bits, each frame at its longest (PROTOCOL.md, 10.1)."""
+    """Returns the period of a node's PDO1 at update time 65535, in seconds.
+
+    All nodes together take half of the bits of the bus, each frame at its greatest length (PROTOCOL.md,
+    10.1).
+    """
     bits = 47 + 8 * length + (33 + 8 * length) // 4
     return nodes * bits / (0.5 * BITRATE)
 
@@ -166,5 +172,5 @@ def half_of_the_bus(nodes, length):
 def test_half_of_the_bus_is_shared_by_the_number_of_nodes(master, layout, nodes, words):
     master, _, fields = begin(master, layout, registers=[("Nr Of Nodes", nodes), ("Update Time", 65535)])
     expected = words * BROADCAST_SECONDS / half_of_the_bus(nodes, fields[-1][2])
-    # The drive's frames delay one by less than a period now and then.
+    # Frames of the drive sometimes delay a PDO by less than a period.
     assert abs(count(master, PDO1 + NODE, words) - expected) <= 2

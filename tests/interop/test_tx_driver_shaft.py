@@ -1,4 +1,4 @@
-"""TX-Drivers beside a shaft that the drive turns: both protocols on one bus, and PDOs that change."""
+"""TX-Drivers at a shaft that the drive turns: both protocols on one bus, and PDOs with changing values."""
 
 import can
 import pytest
@@ -7,22 +7,25 @@ from virtual_drive import DATABASE
 
 NODE = 2
 RPM = 1900
-"""No simple part of a revolution between two PDOs, which would always show the same places."""
+"""Speed of the shaft, rpm.
+
+The way between two PDOs is no simple fraction of a revolution, which would repeat the same angles.
+"""
 COUNTS = 4096
-"""Of the encoder, a revolution."""
+"""Counts of the encoder in a revolution."""
 UPDATE_MS = 5
 SYNC_ENCODER = 2
 """Bit of the Can Config Register (table 7)."""
 ROTARY, REVERSE = 2, 4
 """Bits of the Basic Config Register (table 8)."""
 MM = 2**19
-"""A millimetre in a position of 3 bytes (section 3.1)."""
+"""Raw value of 1 mm in a position of 3 bytes (section 3.1)."""
 STEP = RPM / 60 * COUNTS * UPDATE_MS / 1000
 """Counts from one PDO1 to the next."""
 
 
 class Motor:
-    """The drive's own master, on a connection of its own."""
+    """A master of the drive, on a connection of its own."""
 
     def __init__(self, drive):
         self.bus = drive.bus()
@@ -30,7 +33,7 @@ class Motor:
         self.set_point = self.bus.send_periodic(message("MOTOR_CMD_SET", RPM << 48), 0.04)
 
     def turn(self):
-        # Low byte of the high word: Drive.
+        # The low byte of the high word requests Drive.
         self.request.modify_data(message("REQUEST_WORD", 1 << 32))
 
     def end(self):
@@ -47,8 +50,8 @@ def message(name, data):
 
 @pytest.fixture
 def turning(master):
-    """A node of two channels with encoder beside a shaft that has come to its speed."""
-    # In step with the clock, by which the drive's master sends.
+    """A node with two channels and an encoder, at a shaft that has reached its speed."""
+    # Speed 1 is real time: the drive's master sends by the clock.
     master = master(f"{NODE}:dual", speed="1")
     node = master.node(NODE, "dual-encoder")
     motor = Motor(master.drive)
@@ -63,7 +66,10 @@ def turning(master):
 
 
 def configure(master, node, register, **entries):
-    """Sets the encoder up, and starts the node with a PDO1 every 5 ms; where it stood when the node was started."""
+    """Configures the encoder, and starts the node with a PDO1 every 5 ms.
+
+    Returns the number of frames that were received before the start.
+    """
     master.command(PRE_OPERATIONAL, node.id)
     node.sdo["Can Config Register"].raw = SYNC_ENCODER
     node.sdo["Basic Config Register"].raw = register
@@ -76,13 +82,13 @@ def configure(master, node, register, **entries):
 
 
 def positions(master, count, since=None):
-    """Position 1, position 2 and encoder of PDO1s, as figure 5 has them."""
+    """Returns position 1, position 2 and encoder of `count` PDO1s, in the order of figure 5."""
     frames = master.wait(PDO1 + NODE, master.now if since is None else since, count)[:count]
     return [tuple(int.from_bytes(data[a:b], "little", signed=True) for a, b in ((0, 3), (3, 6), (6, 8))) for data in frames]
 
 
 def steps(readings, revolution):
-    """Ways of a rotary encoder between readings, in the direction that is shorter."""
+    """Returns the steps of a rotary encoder between readings, each in the shorter direction."""
     half = revolution // 2
     counts = [reading[2] for reading in readings]
     return [(after - before + half) % revolution - half for before, after in zip(counts, counts[1:])]
@@ -96,7 +102,7 @@ def test_the_encoder_counts_what_the_drive_turns(turning):
     configure(master, node, ROTARY | REVERSE)
     way = sum(steps(positions(master, 201), COUNTS))
     assert abs(way / (200 * STEP) + 1) < 0.01
-    # A PDO's encoder is of python-canopen's opinion, too.
+    # python-canopen decodes the same encoder value from the PDO.
     seen = []
     node.tpdo[1].add_callback(lambda pdo: seen.append((bytes(pdo.data), pdo["Encoder"].raw, pdo["Position 2"].raw)))
     positions(master, 20)
@@ -122,7 +128,7 @@ def test_a_linear_encoder_stops_at_its_end_and_is_reset(turning, register, end):
     assert {reading[2] for reading in positions(master, 50)} == {end}, "eight revolutions are long over"
     since = configure(master, node, register, Reset_Encoder=0)
     counts = [abs(reading[2]) for reading in positions(master, 100, since)]
-    # Some 50 ms after the reset it is on its way from 0 again, and so far it has counted.
+    # Some 50 ms after the reset the encoder counts from 0 again, and this is its count so far.
     assert counts[0] < 2**14
     moving = [count for count in counts if count < abs(end)]
     ways = [after - before for before, after in zip(moving, moving[1:])]
@@ -138,13 +144,13 @@ def test_the_displacement_is_the_shafts(turning):
         first.setdefault(counts // 128, []).append(position1 / MM)
         second.setdefault(counts // 128, []).append(position2 / MM)
     assert sorted(first) == list(range(32)), "all around"
-    # One place of the shaft, one distance: it changes by less than 1 um a degree.
+    # Every angle of the shaft has one distance; the distance changes by less than 1 um a degree.
     for around in (first, second):
         assert all(max(seen) - min(seen) < 0.010 for seen in around.values())
         shown = [sum(seen) / len(seen) for seen in around.values()]
         assert 0.03 < max(shown) - min(shown) < 0.1
         assert abs(sum(shown) / len(shown) - 1.0) < 0.01
-    # What the first sensor sees, the second one sees a quarter of a revolution later.
+    # The second sensor sees a quarter of a revolution later what the first one sees.
     means = [{place: sum(seen) / len(seen) for place, seen in around.items()} for around in (first, second)]
     late, early = ([abs(means[1][place] - means[0][(place + shift) % 32]) for place in range(32)] for shift in (-8, 8))
     assert max(late) < 0.004 < max(early)

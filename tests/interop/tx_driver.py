@@ -1,6 +1,7 @@
-"""A master of TX-Drivers on the virtual drive's bus: python-canopen, and python-can for what that cannot send or read.
+"""A master of TX-Drivers on the virtual drive's bus, made of python-canopen and python-can.
 
-Time on the bus is told by the drive's own status words, so nothing here depends on how fast the simulation runs.
+python-can sends and receives the frames that python-canopen does not support. The drive's status words
+measure the time on the bus, so nothing here depends on the speed of the simulation.
 """
 
 import math
@@ -11,27 +12,30 @@ import can
 import canopen
 from virtual_drive import BROADCAST_SECONDS, DATABASE, ROOT
 
-# Table 3 of the eddyCAN specification.
+# Function codes (table 3 of the eddyCAN specification).
 NMT, SYNC, ERROR, PDO1, PDO2, PDO3, ANSWER, REQUEST, HEARTBEAT = (
     0x000, 0x080, 0x080, 0x180, 0x280, 0x380, 0x580, 0x600, 0x700,
 )  # fmt: skip
-# Table 11.
+# NMT commands (table 11).
 START, STOP, PRE_OPERATIONAL, RESET = 0x01, 0x02, 0x80, 0x81
-# Table 12.
+# States in the heartbeat (table 12).
 BOOT_UP, IS_STOPPED, IS_OPERATIONAL, IS_PRE_OPERATIONAL = b"\x00", b"\x04", b"\x05", b"\x7f"
-# Table 10.
+# Abort codes of SDO (table 10).
 COMMAND_UNKNOWN, NO_INDEX, NO_SUBINDEX, RANGE_EXCEEDED = 0x05040001, 0x06020000, 0x06090011, 0x06090030
 WRITE_ONLY, READ_ONLY, GENERAL = 0x06010001, 0x06010002, 0x08000000
 
 PATIENCE = 30.0
-"""Seconds on the clock for what comes within milliseconds on the bus: other programs may have the machine."""
+"""Time-out in seconds of wall time, for frames that follow within milliseconds on the bus.
+
+It is long because the machine may be busy.
+"""
 
 STATUS = DATABASE.get_message_by_name("STATUS_WORD").frame_id
 PARAMETER = DATABASE.get_message_by_name("PARAMETER").frame_id
 
 
 class Ears(can.Listener):
-    """Keeps every frame in the order in which it passed."""
+    """Stores all frames in the order of their reception."""
 
     def __init__(self):
         self.frames = []
@@ -47,7 +51,7 @@ class Ears(can.Listener):
 
 
 class Master:
-    """One client of the virtual drive."""
+    """A client of the virtual drive."""
 
     def __init__(self, drive):
         self.ears = Ears()
@@ -59,18 +63,18 @@ class Master:
         self.network.disconnect()
 
     def node(self, number, layout="single"):
-        """A TX-Driver with the EDS of what its PDOs carry."""
+        """Adds a TX-Driver with the EDS of its PDO layout."""
         node = self.network.add_node(number, str(ROOT / "docs" / f"eddycan-{layout}.eds"))
         node.sdo.RESPONSE_TIMEOUT = PATIENCE
         node.tpdo.read(from_od=True)
         return node
 
     def send(self, identifier, data=b""):
-        """A data frame, by python-can."""
+        """Sends a data frame through python-can."""
         self._send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
 
     def send_remote(self, identifier, length):
-        """A remote frame with a data length code of its own, which python-canopen cannot give it."""
+        """Sends a remote frame with a chosen data length code, which python-canopen does not support."""
         self._send(can.Message(arbitration_id=identifier, dlc=length, is_remote_frame=True, is_extended_id=False))
 
     def _send(self, message):
@@ -79,16 +83,16 @@ class Master:
 
     @property
     def now(self):
-        """A place among the frames heard."""
+        """Number of frames received so far: a position in the list of frames."""
         return len(self.ears.frames)
 
     def heard(self, identifier, since, until=None):
-        """Data of all frames with an identifier from one place to another."""
+        """Returns the data of all frames with an identifier between two positions of the list."""
         frames = self.ears.frames[since:until]
         return [bytes(frame.data) for frame in frames if frame.arbitration_id == identifier and not frame.is_remote_frame]
 
     def wait(self, identifier, since, count=1):
-        """Data of the frames with an identifier, as soon as there are so many."""
+        """Waits for `count` frames with an identifier, and returns their data."""
         end = time.monotonic() + PATIENCE
         with self.ears.came:
             while len(found := self.heard(identifier, since)) < count:
@@ -98,12 +102,15 @@ class Master:
         return found
 
     def let_pass(self, seconds):
-        """Simulated time, by whole periods of the status word."""
+        """Waits for at least `seconds` of simulated time, in whole periods of the status word."""
         self.wait(STATUS, self.now, math.ceil(seconds / BROADCAST_SECONDS) + 1)
 
     def settle(self):
-        """Until everything sent has passed over the bus and whoever has an answer has given it: a client's frames stay in order, and the drive answers,
-        too."""
+        """Waits until everything sent so far has passed over the bus and has been answered.
+
+        Sends a parameter request to the drive, and waits for its answer and for one more broadcast period. A
+        client's frames keep their order, so the request passes last.
+        """
         since = self.now
         identifier = DATABASE.get_message_by_name("PARAMETER_REQUEST").frame_id
         self._send(can.Message(arbitration_id=identifier, data=bytes([0, 99]).ljust(8, b"\0"), is_extended_id=True))
@@ -111,19 +118,19 @@ class Master:
         self.let_pass(BROADCAST_SECONDS)
 
     def ask(self, node, request):
-        """The answer of a node to the 8 bytes of a request."""
+        """Sends a request of 8 bytes to a node, and returns the answer."""
         since = self.now
         self.send(REQUEST + node, request)
         return self.wait(ANSWER + node, since)[0]
 
     def command(self, command, target):
-        """NMT by python-canopen, and until it has been obeyed."""
+        """Sends an NMT command through python-canopen, and waits until it has been carried out."""
         nmt = self.network.nmt if target == 0 else self.network[target].nmt
         nmt.send_command(command)
         self.settle()
 
     def restart(self, node, number=None):
-        """NMT reset; waits for the boot-up message of the node, which may have another number now."""
+        """Resets a node, and waits for its boot-up message, which may carry a new node-id."""
         since = self.now
         self.network[node].nmt.send_command(RESET)
         number = number or node
@@ -133,16 +140,16 @@ class Master:
 
 
 def sdo(command, index, subindex=0, data=b""):
-    """The 8 bytes of a request or an answer (figure 6)."""
+    """Returns the 8 bytes of a request or an answer (figure 6)."""
     return bytes([command]) + index.to_bytes(2, "little") + bytes([subindex]) + data.ljust(4, b"\0")
 
 
 def aborted(index, subindex, code):
-    """An answer with an error code (section 3.3.3)."""
+    """Returns the answer with an abort code (section 3.3.3)."""
     return sdo(0x80, index, subindex, code.to_bytes(4, "little"))
 
 
 def later(action, *arguments):
-    """Does something while the caller already waits for what comes of it."""
+    """Calls `action` after 0.1 s, so that the caller is already waiting for its effect."""
     timer = threading.Timer(0.1, action, arguments)
     timer.start()

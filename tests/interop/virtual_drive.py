@@ -1,4 +1,4 @@
-"""`cargo xtask drive` as a process, and what its clients need. NARX_XTASK names the program."""
+"""`cargo xtask drive` as a process, and helpers for its clients. NARX_XTASK names the program."""
 
 import os
 import signal
@@ -13,11 +13,11 @@ ROOT = Path(__file__).parents[2]
 DATABASE = cantools.database.load_file(ROOT / "docs" / "narx.dbc", strict=True)
 
 BROADCAST_SECONDS = 0.05
-"""Between two status words (parameter 111)."""
+"""Time between two status words (parameter 111)."""
 
 
 class Drive:
-    """The program, and where its doors are."""
+    """The process, and the addresses of its TCP port and its pseudo-terminal."""
 
     def __init__(self, *arguments):
         command = [XTASK, "drive", "--mode", "hall", "--tcp", "127.0.0.1:0", *arguments]

@@ -1,11 +1,12 @@
-//! What acknowledges a fault (T61).
+//! Tests of the acknowledgement of a fault (T61).
 
 use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::{Inputs, Machine, MachineCoefficients};
 use narx_core::motor::{Command, State};
 use narx_core::units::ElectricalSpeed;
 
-/// Only REQUEST_WORD asks for Standby anew: a set-point after a fault feeds the time-out and acknowledges nothing.
+/// Only REQUEST_WORD can request Standby anew: a set-point after a fault restarts the time-out and
+/// acknowledges nothing.
 #[test]
 fn a_set_point_acknowledges_no_fault() {
     let mut machine = Machine::default();

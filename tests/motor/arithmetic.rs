@@ -1,4 +1,4 @@
-//! Gains, PI, ramp and the volts-to-duty division against exact arithmetic.
+//! Tests of gains, PI, ramp and the volts-to-duty division against exact arithmetic.
 
 use narx_core::motor::Samples;
 use narx_core::motor::band::Band;
@@ -27,7 +27,8 @@ fn assert_product(found: i64, numerator: i128, denominator: i128, value: i32, bi
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4096))]
 
-    /// Ratios from 2^-31 up keep 30 bits; below that the bits get fewer, down to the eight that `from_ratio` insists on.
+    /// Ratios from 2^-31 up keep 30 bits; below, the number of bits decreases, down to the eight that
+    /// `from_ratio` requires.
     #[test]
     fn gain_against_rationals(
         numerator in 1..1_i128 << 62,
@@ -71,7 +72,7 @@ fn gain_edges() {
     // 8 significant bits of 2^-62: 2^-55 and no less.
     assert!(Gain::from_ratio(1, 1 << 55).is_some());
     assert_eq!(Gain::from_ratio(1, 1 << 56), None);
-    // Wider than what can be shifted by 62: refused, not wrapped.
+    // Too wide for a shift by 62: refused, not wrapped.
     assert_eq!(Gain::from_ratio(1 << 100, 1 << 100), None);
     assert_eq!(Gain::from_ratio(1, 1 << 97), None);
     for (mantissa, shift, fits) in [
@@ -110,8 +111,9 @@ fn pi_step_response_in_closed_form() {
 }
 
 proptest! {
-    /// Whatever comes in: the output stays within the limits, and after any errors upwards an error of `back` downwards takes it
-    /// off the upper limit at once by its whole proportional part, because nothing was wound up beyond that limit.
+    /// For any input the output stays within the limits. After any errors upwards, an error of `back`
+    /// downwards takes the output off the upper limit at once by its whole proportional part, because the
+    /// integrator was not wound up beyond that limit.
     #[test]
     fn pi_is_bounded_and_does_not_wind_up(
         errors in prop::collection::vec(-(1_i32 << 24)..1_i32 << 24, 1..50),
@@ -134,8 +136,8 @@ proptest! {
         prop_assert!(pi.step(&gains, -back, low, high) as i64 <= most + 2);
     }
 
-    /// A controller that something else overrode takes over from what was applied, whatever it did before: only one
-    /// step of its integral away.
+    /// A controller that something else has overridden takes over from the applied output, whatever it did
+    /// before: its next output differs by only one step of its integral.
     #[test]
     fn tracking_hands_over_without_a_bump(
         before in prop::collection::vec(-1_000_000..1_000_000_i32, 0..20),
@@ -149,7 +151,7 @@ proptest! {
         for error in before {
             pi.step(&gains, error, 0, 1 << 22);
         }
-        // By an eighth a tick: after 200 nothing is left of where it was.
+        // An eighth per tick: after 200 ticks the earlier state has decayed.
         (0..200).for_each(|_| pi.track(&gains, applied, error));
         let expected = (applied as i64 + gains.integral.apply(error)).clamp(0, 1 << 22);
         prop_assert!((pi.step(&gains, error, 0, 1 << 22) as i64 - expected).abs() <= 2);
@@ -157,7 +159,7 @@ proptest! {
         prop_assert_eq!(pi.step(&gains, 0, 0, 1 << 22), applied);
     }
 
-    /// Exact rate, never past the target, and the exact number of steps.
+    /// A ramp has the exact rate, never passes the target, and takes the exact number of steps.
     #[test]
     fn ramp_rate_and_arrival(start: i32, target: i32, rate in 1..i64::MAX >> 16) {
         let mut ramp = Ramp::default();
@@ -199,14 +201,14 @@ fn assert_duty(measurement: &Measurement, bus: i32, voltage: i32) -> Result<(), 
     let found = measurement.duty(voltage).to_bits() as f64;
     let allowed = 1.0 + exact * 1e-4;
     prop_assert!((found - exact).abs() <= allowed, "{voltage} of {bus}: {found}, exact {exact}");
-    // Without the limits of either it is the same; it is asked for on a bus above 4 V.
+    // Without either limit it is the same; this form requires a bus above 4 V.
     if measurement.bus_voltage() > 4 << 16 && (1..measurement.bus_voltage()).contains(&voltage) {
         prop_assert_eq!(measurement.duty_within(voltage), found as u32, "{} of {}", voltage, bus);
     }
     Ok(())
 }
 
-/// A band is what two comparisons are.
+/// A band gives the same as two comparisons.
 #[test]
 fn a_band_holds_what_lies_between_its_ends() {
     let values = [i32::MIN, -65_537, -1, 0, 1, 65_536, i32::MAX];
@@ -225,7 +227,8 @@ fn a_band_holds_what_lies_between_its_ends() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
-    /// 4 to 80 V, steps of up to 8 % a tick, and jumps to anywhere: the duty is right in the same tick.
+    /// With a bus of 4 to 80 V, in steps of up to 8 % a tick and in jumps, the duty is right in the same
+    /// tick.
     #[test]
     fn duty_follows_the_bus(
         first in 4.0..80.0_f64,
@@ -257,7 +260,8 @@ fn duty_without_a_bus_is_finite() {
     }
 }
 
-/// A channel beyond what a board may state, or an offset that no calibration has, counts as the nearest that there is: no product overflows.
+/// A channel beyond the range for boards, or an offset beyond the range of a calibration, counts as the
+/// nearest allowed one: no product overflows.
 #[test]
 fn a_channel_and_its_offset_are_bounded() {
     let channel = |micro_per_code| Channel { zero: 100, micro_per_code };
@@ -275,14 +279,14 @@ fn a_channel_and_its_offset_are_bounded() {
     }
 }
 
-/// A motor of no pole pairs, which no parameter can ask for, is scaled as one of one.
+/// A motor of no pole pairs, which no parameter can request, is scaled as one of one.
 #[test]
 fn a_speed_has_at_least_one_pole_pair() {
     let [none, one, four] = [0, 1, 4].map(|pairs| ShaftScale::new(pairs).speed(100 << 16));
     assert_eq!((none, one / 4), (one, four));
 }
 
-/// Gains that no motor wants: neither part overflows, and the output ends at its limit.
+/// With gains that no motor needs neither part overflows, and the output ends at its limit.
 #[test]
 fn a_controller_with_any_gains_stays_within_its_limits() {
     let most = Gain::new(Gain::MANTISSA_MAX, 0).unwrap();

@@ -1,5 +1,5 @@
-//! What a bench does to a sensorless drive's signals and settings: noise, offsets, comparators, missed and false crossings, wrong pole pairs.
-//! Tables as in `robustness.rs`.
+//! Tests of a sensorless drive with disturbed signals and wrong settings: noise, offsets, comparators, missed
+//! and false crossings, wrong pole pairs. Tables as in `robustness.rs`.
 
 use crate::bench::Closed;
 use crate::robustness::{End, RESTART, Table, config, end, load, running, started, turn};
@@ -12,8 +12,9 @@ use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
 use xtask::bench::map;
 
-/// Converter noise: twice the 0.7 codes that the front end may have is held whatever the seed, from the start, idle and loaded; at three
-/// times two starts in five are tried again (16 of 40 seeds), and that and more ends with a name.
+/// Converter noise of twice the 0.7 codes that the front end may have does not matter with any seed, from the
+/// start, idle and loaded. At three times that, two starts in five need another try (16 of 40 seeds); with
+/// this noise and more, every run ends in a named state.
 #[test]
 fn converter_noise() {
     let mut table = Table::new("converter noise");
@@ -41,7 +42,8 @@ fn converter_noise() {
     table.check();
 }
 
-/// Offsets of each phase channel: at rest none is taken for rotation; up to 8 codes (0.16 V) start and run.
+/// With an offset of any phase channel no rotation is detected at rest; with up to 8 codes (0.16 V) the motor
+/// starts and runs.
 #[test]
 fn phase_channel_offsets() {
     let mut table = Table::new("phase channel offsets");
@@ -70,7 +72,8 @@ fn phase_channel_offsets() {
     table.check();
 }
 
-/// The current channel's zero is found at power-up, up to 0.25 A (31 codes); more is no credible offset, and the motor does not start.
+/// The zero of the current channel is found at power-up, up to 0.25 A (31 codes); more is no credible offset,
+/// and the motor does not start.
 #[test]
 fn bus_channel_offsets() {
     let mut table = Table::new("bus channel offsets");
@@ -99,7 +102,8 @@ fn bus_channel_offsets() {
     table.check();
 }
 
-/// Comparators: a known delay up to half a tick and a hysteresis up to 0.5 V are held; 1 V hides a starting rotor.
+/// Comparators with a known delay of up to half a tick and a hysteresis of up to 0.5 V do not matter; a
+/// hysteresis of 1 V hides a starting rotor.
 #[test]
 fn comparator_delay_and_hysteresis() {
     let mut table = Table::new("comparators");
@@ -125,7 +129,7 @@ fn comparator_delay_and_hysteresis() {
     table.check();
 }
 
-/// Runs `ticks` periods in which the samples are spoiled; true if state 4 was left.
+/// Runs `ticks` periods with disturbed samples; returns true if state 4 was left.
 fn spoil(closed: &mut Closed, ticks: u64, mut alter: impl FnMut(&mut Samples, &PwmCommand)) -> bool {
     (0..ticks).fold(false, |left, _| {
         closed.tick_altered(&mut alter);
@@ -133,10 +137,10 @@ fn spoil(closed: &mut Closed, ticks: u64, mut alter: impl FnMut(&mut Samples, &P
     })
 }
 
-/// What a spoiled floating phase reads.
+/// Reading of a disturbed floating phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Reads {
-    /// The reference: neither before nor after.
+    /// The reference: the crossing seems neither before nor after.
     Nothing,
     /// Ground.
     Low,
@@ -144,8 +148,9 @@ enum Reads {
     High,
 }
 
-/// The floating phase's channel is spoiled for a number of steps. Blind steps are ridden out, speed kept (four idle, two loaded, one at
-/// 500 rpm); beyond the budget the drive restarts, and ends on speed or with a name.
+/// With the floating phase's channel disturbed for a few steps, the drive goes on blind and keeps the speed
+/// (for four steps idle, two loaded, one at 500 rpm). Beyond these it restarts, and ends at the speed or in a
+/// named state.
 #[test]
 fn missed_crossings() {
     let mut table = Table::new("floating phase spoiled");
@@ -165,7 +170,7 @@ fn missed_crossings() {
                     last = applied.step;
                     let floats = |leg: &Leg| *leg == Leg::Floating;
                     let floating = applied.step.legs().iter().position(floats);
-                    // The first step is under way.
+                    // Begins after the present step.
                     let Some(phase) = floating.filter(|_| left > 0 && left <= steps) else { return };
                     let sum: u16 = samples.phase_voltage.iter().sum();
                     let reference = (sum - samples.phase_voltage[phase]) / 2;
@@ -192,7 +197,8 @@ fn missed_crossings() {
     table.check();
 }
 
-/// Spikes on any phase channel, one sample long: of 1 V in 5 % of all readings and of 8 V in 1 %, speed is kept; beyond that a name.
+/// Spikes of one sample on any phase channel, of 1 V in 5 % of all readings or of 8 V in 1 %, do not change
+/// the speed; with more the drive ends in a named state.
 #[test]
 fn false_crossings() {
     let mut table = Table::new("spikes");
@@ -218,7 +224,7 @@ fn false_crossings() {
                 }
             });
             closed.run(2_000);
-            // What the last spikes did may show only now.
+            // The effect of the last spikes may show only now.
             if interrupted || closed.drive.state() != State::SensorlessClosedLoop {
                 closed.run(RESTART);
             }
@@ -234,9 +240,10 @@ fn false_crossings() {
     table.check();
 }
 
-/// Presets by true number of pole pairs, and what is set. By the ratio set / true the back-EMF that the speed claims is wrong. Above 1.3
-/// and below 0.72 that is told and has a name. In between it cannot be told: hot magnets (0.8), a strong lot (1.05), a resistance from
-/// cold to hot (0.85 to 1.9) and what a light load leaves uncertain look the same; the motor runs, at a wrong speed.
+/// A wrong number of pole pairs (presets by their true number, and the set one) makes the back-EMF that
+/// belongs to the speed wrong by the ratio set / true. Above 1.3 and below 0.72 this is detected and named.
+/// In between it cannot be detected: hot magnets (0.8), a strong lot (1.05), a resistance from cold to hot
+/// (0.85 to 1.9) and the uncertainty at a light load look the same; the motor runs, at a wrong speed.
 #[test]
 fn wrong_pole_pairs() {
     let mut table = Table::new("pole pairs");
@@ -256,7 +263,7 @@ fn wrong_pole_pairs() {
         let changes = [(number::MOTOR_POLE_PAIRS, i32::from(*set))];
         let mut closed = Closed::rated(&config, &changes, Mode::Sensorless, preset.data.rated_current);
         closed.boot();
-        // A third of its range, so that what is claimed wrongly fits as well.
+        // A third of the speed range, so that the wrong speed is within it as well.
         let plate = Nameplate {
             motor: preset.motor,
             rated_current: preset.data.rated_current,
@@ -279,7 +286,8 @@ fn wrong_pole_pairs() {
     });
     for ((preset, set, ratio), (found, peak)) in cases.iter().zip(ends) {
         let name = format!("{:<20} {} set to {set}: {ratio:.2}", preset.name, preset.motor.pole_pairs);
-        // In volts the bounds are 0.25 V and 0.5 V wider, and at a light load by what resistance may be.
+        // In volts the bounds are 0.25 V and 0.5 V wider, and at a light load wider by the uncertainty of the
+        // resistance.
         let told = !(0.7..1.52).contains(ratio);
         if told && !matches!(found, Fault(_)) && (preset.name, *set) != HUNTS {
             table.0.push(format!("{name}: {found:?}"));
@@ -291,6 +299,7 @@ fn wrong_pole_pairs() {
     table.check();
 }
 
-/// Known weak: a heavy rotor without load, ratio 0.67. Caught coasting it is given the voltage of the wrong constant, speeds up, coasts,
-/// and so on within 20 % of a wrong speed; what is applied always fits what is claimed.
+/// Known weakness: a heavy rotor without load, at ratio 0.67. When it is caught coasting, it gets the voltage
+/// of the wrong constant, speeds up, coasts, and so on within 20 % of a wrong speed; the applied voltage
+/// always fits the estimated speed.
 const HUNTS: (&str, u8) = ("ec90-flat-90w-24v", 8);

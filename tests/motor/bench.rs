@@ -28,10 +28,10 @@ pub(crate) const MOTOR: MotorConfig = MotorConfig {
     phase_order: [Phase::A, Phase::B, Phase::C],
 };
 
-/// How a stretch ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outcome {
-    /// In state 6 after so many ticks, with this extended code.
+    /// In state 6 after these many ticks, with this extended code.
     Fault { ticks: u64, code: u16 },
     /// No fault.
     Running,
@@ -47,13 +47,13 @@ pub(crate) struct Closed {
     /// Largest |speed|, rpm.
     pub fastest: f64,
     pub bus_max: f64,
-    /// The master says nothing.
+    /// The master sends nothing.
     pub silent: bool,
-    /// See [`watch`](Self::watch).
+    /// Second drive for comparison; see [`watch`](Self::watch).
     watched: Option<Drive>,
     /// Set-point, mechanical rpm.
     pub set_point: f64,
-    /// What the last tick answered.
+    /// Command of the last tick.
     pub output: PwmCommand,
     request: Request,
     mode: Mode,
@@ -61,12 +61,12 @@ pub(crate) struct Closed {
 }
 
 impl Closed {
-    /// A commissioned hall drive; raw parameters in `changes` win.
+    /// A commissioned hall drive; raw parameters in `changes` replace the commissioned ones.
     pub(crate) fn new(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
         Self::with_mode(config, changes, Mode::Hall)
     }
 
-    /// The same without sensors.
+    /// A commissioned drive without sensors, with `changes` as in [`new`](Self::new).
     pub(crate) fn sensorless(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
         Self::with_mode(config, changes, Mode::Sensorless)
     }
@@ -75,7 +75,7 @@ impl Closed {
         Self::rated(config, changes, mode, Some(4.0))
     }
 
-    /// With the motor's rated current.
+    /// A drive commissioned with the motor's rated current.
     pub(crate) fn rated(
         config: &PlantConfig,
         changes: &[(u16, i32)],
@@ -100,7 +100,7 @@ impl Closed {
         }
     }
 
-    /// Other parameters from now on: the commissioned ones with these raw values changed.
+    /// Sets other parameters from now on: the commissioned ones with these raw values changed.
     pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
         let coefficients = commissioned(self.plant.config(), changes, self.mode, self.rated_current);
         self.handle_event(Event::Coefficients(coefficients));
@@ -119,12 +119,13 @@ impl Closed {
         })
     }
 
-    /// One period.
+    /// Runs one period.
     pub(crate) fn tick(&mut self) {
         self.tick_altered(|_, _| {});
     }
 
-    /// One period in which the drive reads what `alter` makes of the samples; it also sees what was applied last.
+    /// Runs one period in which `alter` changes the samples that the drive reads; it also gets the command
+    /// that was applied last.
     pub(crate) fn tick_altered(&mut self, alter: impl FnOnce(&mut Samples, &PwmCommand)) {
         let mut samples = self.plant.sample();
         alter(&mut samples, &self.output);
@@ -163,12 +164,13 @@ impl Closed {
         self.drive.handle_event(event);
     }
 
-    /// From now on a second drive, which asks every station in every tick, must answer every tick alike.
+    /// Compares every tick from now on with a second drive that runs every station in every tick: both must
+    /// answer alike.
     pub(crate) fn watch(&mut self) {
         self.watched = Some(self.drive.clone());
     }
 
-    /// Into Standby.
+    /// Boots into Standby.
     pub(crate) fn boot(&mut self) {
         for _ in 0..5_100 {
             self.tick();
@@ -176,7 +178,7 @@ impl Closed {
         assert_eq!(self.drive.state(), State::Standby);
     }
 
-    /// Up to `ticks` periods, or to a fault.
+    /// Runs up to `ticks` periods, or to a fault.
     pub(crate) fn run(&mut self, ticks: u64) -> Outcome {
         for tick in 1..=ticks {
             self.tick();
@@ -187,7 +189,7 @@ impl Closed {
         Outcome::Running
     }
 
-    /// True mechanical speed over the next `ticks`; `see` is shown the drive in each.
+    /// True mean mechanical speed over the next `ticks`; `see` gets the drive in each.
     pub(crate) fn mean_rpm(&mut self, ticks: u64, mut see: impl FnMut(&Drive)) -> f64 {
         let from = self.plant.observe();
         for _ in 0..ticks {
@@ -198,7 +200,7 @@ impl Closed {
         (to.angle - from.angle) / (to.time - from.time) * 60.0 / std::f64::consts::TAU
     }
 
-    /// True mechanical speed.
+    /// True mechanical speed, rpm.
     pub(crate) fn rpm(&self) -> f64 {
         self.plant.observe().speed * 60.0 / std::f64::consts::TAU
     }

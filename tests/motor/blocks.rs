@@ -1,4 +1,4 @@
-//! The blocks, each alone: what a student or the owner of another driver links.
+//! Tests of the blocks, each alone, as a student or the owner of another driver links them.
 
 use crate::rotor::{ScriptedRotor, error_degrees, sector_at};
 use narx_core::blocks::{
@@ -21,7 +21,7 @@ use proptest::prelude::*;
 
 const ONE: i32 = 1 << 16;
 
-/// Kp = 2, Ki = 10 a second, 1 kHz, -5 to 5.
+/// Settings of a PI: Kp = 2, Ki = 10 per second, 1 kHz, -5 to 5.
 fn pi() -> PiSettings {
     let gain = |numerator| Gain::from_ratio(numerator, 1).unwrap();
     PiSettings {
@@ -45,13 +45,13 @@ fn pi_is_its_equation() {
         let expected = 2.0 + 10.0 * f64::from(n) / 1000.0;
         assert!((real(pi.step(ONE)) - expected).abs() < 2e-5, "step {n}");
     }
-    // The integrator is at 1.5: that is where it begins without an error.
+    // The integrator is at 1.5: the output without an error begins there.
     assert!((real(pi.step(0)) - 1.5).abs() < 2e-5);
     pi.hold(-3 * ONE);
     assert_eq!(pi.step(0), -3 * ONE);
 }
 
-/// Ten seconds at the limit wind nothing up: the first error the other way leaves it.
+/// Ten seconds at the limit wind nothing up: the first error of opposite sign leaves the limit.
 #[test]
 fn pi_leaves_its_limit_at_once() {
     let mut pi = Pi::build(&pi()).unwrap();
@@ -60,7 +60,7 @@ fn pi_leaves_its_limit_at_once() {
     }
     assert_eq!(pi.step(ONE), 5 * ONE);
     assert!(pi.step(-ONE / 10) < 5 * ONE);
-    // Somebody else decided 1: from there it goes on.
+    // Something else has decided 1: the controller goes on from there.
     for _ in 0..200 {
         pi.track(ONE, 0);
     }
@@ -113,7 +113,8 @@ fn position(turns: f64, frequency: f64) -> Position {
     }
 }
 
-/// A turn at 40 rev/s either way: every sector gets its step, the change falls where the rotor is 30 degrees (less the advance) from the sector's middle.
+/// In a turn at 40 rev/s in either direction every sector gets its step, and the change is where the rotor is
+/// 30 degrees (less the advance) from the sector's middle.
 #[test]
 fn commutation_changes_where_the_sectors_do() {
     for (frequency, torque, advance) in [
@@ -134,7 +135,8 @@ fn commutation_changes_where_the_sectors_do() {
             for (instant, step) in first.into_iter().chain(later) {
                 let here = angle + frequency / 10_000.0 * f64::from(instant) / 65_536.0;
                 let ahead = here + f64::from(advance) / 36_000.0 * frequency.signum();
-                // Just beyond the boundary, within what 1/65 536 of a period and the blind start leave.
+                // Just beyond the boundary, within the tolerance that 1/65 536 of a period and the blind
+                // start allow.
                 let nudge = 0.003 * frequency.signum();
                 assert_eq!(step, Step::for_sector(sector_at(ahead + nudge), torque));
                 assert_ne!(step, Step::for_sector(sector_at(ahead - nudge), torque));
@@ -147,7 +149,7 @@ fn commutation_changes_where_the_sectors_do() {
             angle += frequency / 10_000.0;
         }
         assert_eq!(changes, 6, "{frequency} rev/s");
-        // A rotor that is where it was and is to be turned the other way has the other step at once.
+        // A rotor at the same position with the opposite torque has the opposite step at once.
         let other = if torque == Direction::Forward { Direction::Reverse } else { Direction::Forward };
         let sector = sector_at(angle + f64::from(advance) / 36_000.0 * frequency.signum());
         let mut here = |torque| commutation.step(position(angle, frequency), torque).0;
@@ -178,7 +180,7 @@ fn hall_measures_angle_and_speed() {
                 assert!(!reading.stopped && !reading.doubtful);
             }
         }
-        // It stops dead: standstill after 50 ms, and the speed falls before.
+        // The rotor stops at once: standstill is detected after 50 ms, and the speed falls before.
         let before = hall.step(samples.hall, &[]).speed.abs();
         let after = (0..400).map(|_| hall.step(samples.hall, &[])).last().unwrap();
         assert!(after.speed.abs() < before && !after.stopped);
@@ -192,7 +194,8 @@ fn hall_measures_angle_and_speed() {
     }
 }
 
-/// A rotor at constant speed, its terminals by the pattern that the two blocks apply: they find the crossings, and commutate 30 degrees later.
+/// With a rotor at constant speed, whose terminals follow the pattern that the two blocks apply, the blocks
+/// find the crossings and commutate 30 degrees later.
 #[test]
 fn zero_crossing_and_commutation_follow_a_motor() {
     for (frequency, torque) in [(120.0, Direction::Forward), (-120.0, Direction::Reverse)] {
@@ -225,7 +228,7 @@ fn zero_crossing_and_commutation_follow_a_motor() {
             assert!(reading.running && reading.why == Why::Accepted, "tick {tick}");
             assert!((real(reading.speed.to_bits()) / frequency - 1.0).abs() < 0.02);
             worst = worst.max(error_degrees(reading.position.angle, angle).abs());
-            // What is announced is what is done, in a tick or later.
+            // The announced commutation happens, in this tick or later.
             let announced = f64::from(tick) + f64::from(reading.commutation.unwrap()) / 65_536.0;
             if let (Some(change), Some(predicted)) = (commutations.last(), predicted) {
                 let done = f64::from(tick) + f64::from(change.instant) / 65_536.0;
@@ -235,7 +238,7 @@ fn zero_crossing_and_commutation_follow_a_motor() {
             predicted = Some(announced);
         }
         assert!(worst < 3.0, "{worst} degrees");
-        // The rotor is gone: nothing to see for the time-out.
+        // The rotor is gone: the terminals show nothing for the time-out.
         let still = Samples { bus_voltage: 24_000, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let lost =
             (0..400).map(|_| crossings.step(&still, &applied, torque).lost).find(|lost| *lost != Rail::None);
@@ -244,7 +247,7 @@ fn zero_crossing_and_commutation_follow_a_motor() {
     }
 }
 
-/// Sinusoidal back-EMF of `peak` volts behind a pattern in the on-time.
+/// Terminals with a sinusoidal back-EMF of `peak` volts behind a pattern in the on-time.
 fn terminals(step: Step, turns: f64, bus: f64, peak: f64) -> Samples {
     let emf = |phase: usize| peak * ((turns - phase as f64 / 3.0) * core::f64::consts::TAU).sin();
     let legs = step.legs();
@@ -270,7 +273,7 @@ fn healthy() -> Evidence {
     evidence
 }
 
-/// Makes a condition true.
+/// Function that makes a condition true.
 type Spoil = fn(&mut Evidence);
 
 /// A condition qualifies after its published time, latches, and is acknowledged once it has gone.
@@ -300,8 +303,8 @@ fn fault_qualifies_latches_and_is_acknowledged() {
     }
 }
 
-/// As the state machine beside it goes: a time-out and a failed boot latch, leaving Fault acknowledges, and what the hall sensors have done counts
-/// within a driven episode only.
+/// The fault block follows the state machine beside it: a time-out and a failed boot latch, leaving Fault
+/// acknowledges, and events of the hall sensors count within a driven episode only.
 #[test]
 fn fault_follows_the_state_machine() {
     let built = || Fault::build(&FaultSettings { hall_stall_ms: 10, ..FaultSettings::default() }).unwrap();
@@ -328,7 +331,7 @@ fn fault_follows_the_state_machine() {
         fault.handle_change(&change(name, false), &healthy());
         assert_eq!(fault.critical(), left, "{name}");
     }
-    // A tick before the stall is one: both sides drive, or one of them does not.
+    // A tick before the stall qualifies: either both halves drive, or one of them does not.
     let still = Evidence { hall_driving: true, hall_stopped: true, torque: true, ..healthy() };
     for (name, stalls) in [("T23", true), ("T15", false), ("T51", false)] {
         let mut fault = built();
@@ -342,7 +345,7 @@ fn fault_follows_the_state_machine() {
     }
 }
 
-/// Power-up, a start, a stop, a silent master, an acknowledgement: the rows of Table 7 in order.
+/// Power-up, a start, a stop, a silent master and an acknowledgement follow the rows of Table 7 in order.
 #[test]
 fn state_machine_goes_through_its_table() {
     let mut machine = StateMachine::build(&StateSettings::default()).unwrap();
@@ -355,7 +358,7 @@ fn state_machine_goes_through_its_table() {
         parameters_fit: true,
     };
     let mut rows = Vec::new();
-    // Milliseconds, what is asked for (every 100 ms), what comes of it.
+    // Milliseconds, request (repeated every 100 ms), expected state.
     for (time, request, state) in [
         (501, Some(Request::Standby), State::Standby),
         (200, Some(Request::Drive), State::HallClosedLoop),

@@ -1,4 +1,4 @@
-//! Blocks with any input at all: they answer, whatever a stranger's driver gives them.
+//! Tests of blocks with any input at all: they return a result, whatever a foreign driver gives them.
 
 use narx_core::blocks::{
     Commutation, CommutationSettings, Fault, FaultSettings, Hall, HallSettings, Position, ZeroCrossing,
@@ -66,7 +66,7 @@ proptest! {
         for (samples, applied) in &ticks {
             let before = block;
             let reading = block.step(samples, applied, torque);
-            // Same inputs, same bits.
+            // Equal inputs give equal bits.
             let mut again = before;
             prop_assert_eq!(again.step(samples, applied, torque).position.angle, reading.position.angle);
             prop_assert_eq!(again, block);
@@ -94,7 +94,7 @@ proptest! {
     fn commutation_of_any_position(places in prop::collection::vec((any::<u32>(), any::<i32>()), 1..50), torque in direction()) {
         let mut commutation = Commutation::build(&CommutationSettings::default()).unwrap();
         for (angle, speed) in places {
-            // No faster than the drive may be built for: a twelfth of a turn a tick.
+            // No faster than a drive may be built for: a twelfth of a turn per tick.
             let speed = speed / 12;
             let (step, _) = commutation.step(Position { angle, speed }, torque);
             prop_assert!(step.sector().is_some());

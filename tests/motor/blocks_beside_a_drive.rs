@@ -1,4 +1,4 @@
-//! Blocks that are given what a drive was given answer what the drive answered, tick by tick, bit for bit.
+//! Tests that blocks with a drive's inputs give the drive's results, tick by tick, bit for bit.
 
 use narx_core::blocks::{
     Commutation, CommutationSettings, Hall, HallSettings, StateMachine, StateSettings, ZeroCrossing,
@@ -21,15 +21,16 @@ const SUPPLY: f64 = 18.0;
 pub(crate) struct Told<'a> {
     pub(crate) event: Option<&'a Event>,
     pub(crate) samples: &'a Samples,
-    /// What was in force in the period that has ended.
+    /// Command that was in force in the period that has ended.
     pub(crate) applied: &'a PwmCommand,
-    /// What is answered.
+    /// Command that is the result.
     pub(crate) command: &'a PwmCommand,
     pub(crate) status: Option<&'a Status>,
     pub(crate) state: State,
 }
 
-/// Runs a session: `rpm` for a second and a half, another speed, and Standby; then shows every tick of its recording.
+/// Runs a session: `rpm` for 1.5 s, another speed, and Standby; then passes every tick of its recording to
+/// `observe`.
 pub(crate) fn beside(mode: Mode, rpm: i32, mut observe: impl FnMut(&Session, Told<'_>)) -> u32 {
     let config =
         SessionConfig { trace: false, ..SessionConfig::new(preset(MOTOR).unwrap().motor, SUPPLY, mode) };

@@ -1,4 +1,5 @@
-//! The back-EMF block where it is not as it should be: what it was following is gone, comes out of step or too early, or coasts the other way.
+//! Tests of the back-EMF block under faults: the signal that it follows is lost, comes out of step or too
+//! early, or the motor coasts in the other direction.
 
 use crate::blocks_beside_a_drive::{beside, sensorless_blocks};
 use core::cell::Cell;
@@ -9,11 +10,12 @@ use narx_core::motor::{Direction, Samples, State, Step};
 use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::Mode;
 
-/// Crossings that the block has followed before something happens to it.
+/// Number of crossings that the block has followed before the fault begins.
 const FOLLOWED: u32 = 200;
 
-/// A block beside a drive without sensors; once it has followed a while, it is shown what `see` makes of each tick, as often as `times` says after so many crossings. Its readings from there on, up to the
-/// first that ends the episode.
+/// Runs a block beside a drive without sensors. Once it has followed for a while, each tick is replaced by
+/// `see`, and repeated `times` times by the number of crossings so far. Returns its readings from there on,
+/// up to the first that ends the episode.
 fn follow(
     rpm: i32,
     see: impl Fn(&Samples) -> Samples,
@@ -51,7 +53,8 @@ fn end(readings: &[ZeroCrossingReading]) -> Rail {
     readings.last().unwrap().lost
 }
 
-/// The terminals show nothing any more: six steps are commutated blind, and the rotor is lost long before its time-out.
+/// Once the terminals show nothing any more, six steps are commutated blind, and the loss is reported long
+/// before the time-out.
 #[test]
 fn a_rotor_that_is_not_seen_is_lost() {
     let nothing =
@@ -64,14 +67,16 @@ fn a_rotor_that_is_not_seen_is_lost() {
     assert!(before.iter().all(|reading| reading.lost == Rail::None && reading.running));
 }
 
-/// From every second crossing to the next it takes twice as long: nobody turns like that.
+/// A rotor for which every second interval between crossings takes twice as long is reported as out of step:
+/// no real rotor turns like that.
 #[test]
 fn a_rotor_that_is_out_of_step_is_told() {
     let readings = follow(1500, Samples::clone, |crossings| 1 + crossings % 2);
     assert_eq!(end(&readings), Rail::Desynchronised);
 }
 
-/// Time that passes three times as fast: the next crossing comes before half of a sector has passed, and is none.
+/// With time three times as fast, the next crossing comes before half of a sector has passed, and is
+/// rejected.
 #[test]
 fn a_crossing_that_is_too_early_is_none() {
     let ticks = Cell::new(0);
@@ -82,14 +87,15 @@ fn a_crossing_that_is_too_early_is_none() {
     assert!(readings.iter().any(|reading| reading.why == Why::Filtered));
 }
 
-/// A block that was made for a motor turning forward, or has forgotten which way it was, and hears it coast backward: it believes its ears, and runs.
+/// A block that was built for a motor turning forward and sees it coast backward follows the signals, and
+/// runs.
 #[test]
 fn a_motor_that_coasts_the_other_way_is_followed() {
     let mut listener: Option<ZeroCrossing> = None;
     let mut last = ElectricalSpeed::default();
     let mut wakes = 0;
     beside(Mode::Sensorless, -1500, |session, told| {
-        // From where the drive lets go on.
+        // From the time at which the drive switches the bridge off.
         let coasts = told.state == State::Standby && session.bench().status().tick > 20_000;
         if coasts {
             let block = listener.get_or_insert_with(|| sensorless_blocks(session).0);

@@ -1,4 +1,4 @@
-//! Boot: T01, T06, and what must not come of either.
+//! Tests of the boot: T01, T06, and events that must not follow from either.
 
 use crate::rotor::ScriptedRotor;
 use crate::scripted::{BOOT, Scripted, bus_code};
@@ -11,7 +11,7 @@ fn drive(changes: &[(u16, i32)]) -> Scripted {
     Scripted::new(coefficients(changes), ScriptedRotor::new(0.2, 0.0, true), 0)
 }
 
-/// T01 in the tick in which 0.5 s have elapsed, not before.
+/// T01 happens in the tick in which 0.5 s have elapsed, not before.
 #[test]
 fn standby_after_half_a_second_to_the_tick() {
     let mut script = drive(&[]);
@@ -22,7 +22,8 @@ fn standby_after_half_a_second_to_the_tick() {
     }
 }
 
-/// A master that asks for Drive all the while must not start a drive that has just reset; after Standby it may.
+/// A master that requests Drive all the time does not start a drive that has just reset; after Standby it
+/// can.
 #[test]
 fn drive_requested_during_boot_starts_nothing() {
     let mut script = drive(&[(number::HALL_ENABLE, 1)]);
@@ -38,7 +39,7 @@ fn drive_requested_during_boot_starts_nothing() {
     assert_eq!(script.drive.state(), State::HallClosedLoop);
 }
 
-/// A bus that comes up after the controller is no fault once it is up.
+/// A bus voltage that comes up after the controller causes no fault once it is up.
 #[test]
 fn a_late_bus_is_forgotten() {
     let mut script = drive(&[]);
@@ -52,7 +53,8 @@ fn a_late_bus_is_forgotten() {
     assert_eq!((script.status.faults, script.status.extended_code), (FaultWord::empty(), 0));
 }
 
-/// T06 for each failure, with its code even when the mask calls nothing critical; acknowledged only once it is cured.
+/// T06 happens for each failure, with its code even if the mask calls nothing critical; it is acknowledged
+/// only once its cause is gone.
 #[test]
 fn a_failed_boot_has_a_code() {
     let health = |store_faults, self_test_failed| Health { store_faults, self_test_failed };

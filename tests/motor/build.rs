@@ -1,14 +1,15 @@
-//! Parameters reach the tick in its units: each against its own conversion, written out again here.
+//! Tests that parameters reach the tick in its units: each against its own conversion, written out again
+//! here.
 
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::gain::Gain;
 use narx_core::motor::{Board, BuildError, Coefficients};
 use std::f64::consts::TAU;
 
-/// What a parameter becomes, in volts, amperes, electrical revolutions, seconds or shares of one.
+/// A parameter and its converted value, in volts, amperes, electrical revolutions, seconds or shares of one.
 struct Row {
     number: u16,
-    /// In the parameter's unit.
+    /// Value in the parameter's unit.
     value: f64,
     found: fn(&Coefficients) -> f64,
     expected: f64,
@@ -22,7 +23,7 @@ fn fixed(raw: i32) -> f64 {
     f64::from(raw) / 65_536.0
 }
 
-/// 16 extra fraction bits.
+/// Value of a number with 16 extra fraction bits.
 fn extended(raw: i64) -> f64 {
     raw as f64 / 4_294_967_296.0
 }
@@ -35,7 +36,8 @@ fn gain(gain: Gain) -> f64 {
     gain.apply(1 << 30) as f64 / f64::from(1 << 30)
 }
 
-/// 5 pole pairs: 12 rpm are one electrical revolution a second. 40 V: one per cent of duty is 0.4 V. 10 kHz.
+/// Set-up of the conversions: with 5 pole pairs 12 rpm are one electrical revolution per second, at 40 V one
+/// per cent of duty is 0.4 V, and the tick is 10 kHz.
 const POLE_PAIRS: f64 = 5.0;
 const RPM: f64 = POLE_PAIRS / 60.0;
 
@@ -98,7 +100,7 @@ fn every_parameter_reaches_the_tick_in_its_units() {
             "{name}: {found}, expected {}",
             row.expected
         );
-        // The table would not notice a parameter whose value is the factory's.
+        // With a factory value the table would not notice a parameter that is missing.
         assert!(
             ((row.found)(&factory) - row.expected).abs() > 1e-3 * row.expected,
             "{name} is the factory's"
@@ -118,13 +120,13 @@ fn what_does_not_fit_is_named_with_what_does() {
         refused.to_string(),
         "parameter 120 \"Under-voltage HV threshold\": 19.5 does not fit the other parameters, which allow 0 to 18.5 V"
     );
-    // A parameter without a unit ends in its value.
+    // The text of a parameter without a unit ends with its value.
     let speeds = BuildError { parameter: number::MOTOR_POLE_PAIRS, raw: 51, min: 1, max: 50 };
     assert_eq!(
         speeds.to_string(),
         "parameter 78 \"Motor pair poles\": 51 does not fit the other parameters, which allow 1 to 50"
     );
-    // Its fields are public: one that nobody builds.
+    // The fields are public: an error for a parameter that is never built.
     assert_eq!(BuildError { parameter: 122, ..expected }.to_string(), "unknown parameter");
 }
 

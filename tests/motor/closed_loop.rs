@@ -1,4 +1,5 @@
-//! The drive on the plant: wirings, reversal, a blocked rotor, and every fault from its physical cause.
+//! Tests of the drive on the plant: wirings, reversal, a blocked rotor, and every fault from its physical
+//! cause.
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
@@ -7,14 +8,16 @@ use narx_core::motor::rotor::hall::sectors;
 use narx_core::motor::{Cause, Event, FaultWord, Request, State};
 use narx_sim::plant::{HallConfig, Injection, Phase, PlantConfig};
 
-/// Peak of any phase current allowed at any time: 12 A (Table 1) and 10 %.
+/// Largest peak of any phase current at any time: 12 A (Table 1) and 10 %.
 const PEAK: f64 = 12.0 * 1.1;
 
-/// Two wirings are 60 degrees off and still run. The current then circulates through the bridge past the bus shunt, so the
-/// limiter sees half of it: a weakness of a drive with one shunt, until the voltage is compared with back-EMF. Measured 15.3 A.
+/// Largest peak with misaligned sensors. Two wirings are 60 degrees off and still run. The current then
+/// circulates through the bridge past the bus shunt, so the limiter sees half of it: a weakness of a drive
+/// with one shunt, until the voltage is compared with back-EMF. Measured 15.3 A.
 const PEAK_MISALIGNED: f64 = 16.0;
 
-/// A shaft that stops in no time takes the back-EMF away faster than the 200 Hz limiter follows. Measured 14.3 A, for 2 ms.
+/// Largest peak with a blocked rotor. A shaft that stops at once removes the back-EMF faster than the 200 Hz
+/// limiter follows. Measured 14.3 A, for 2 ms.
 const PEAK_BLOCKED: f64 = 15.0;
 
 fn wired(order: u8, polarity: u8) -> PlantConfig {
@@ -23,8 +26,8 @@ fn wired(order: u8, polarity: u8) -> PlantConfig {
     config
 }
 
-/// All 48 ways to connect three lines, uncalibrated: the motor runs as asked, or a named fault comes, within two seconds;
-/// no runaway and no over-current on the way.
+/// With all 48 ways to connect three lines, uncalibrated, the motor runs as commanded or a named fault comes
+/// within two seconds, without runaway and without over-current.
 #[test]
 fn every_wrong_wiring_runs_or_faults() {
     let (mut runs, mut slowest, mut peak, mut misaligned, mut fastest) = (0, 0, 0.0_f64, 0.0_f64, 0.0_f64);
@@ -55,7 +58,7 @@ fn every_wrong_wiring_runs_or_faults() {
                     closed.peak
                 );
                 misaligned = misaligned.max(closed.peak);
-                // What a misaligned wiring cannot reach, a limit has taken away, by name.
+                // A speed that a misaligned wiring does not reach was limited, and the limit is named.
                 assert!(
                     (speed - RPM).abs() < 0.05 * RPM || (!right && speed < RPM && limited > 100),
                     "order {order}, polarity {polarity}: {speed} rpm, {limited} of 1000 ticks limited"
@@ -73,7 +76,8 @@ fn every_wrong_wiring_runs_or_faults() {
     assert!(misaligned <= PEAK_MISALIGNED, "{misaligned:.1} A");
 }
 
-/// Forward to reverse and back: to standstill first, one tick in Standby, the other way; never against the turning rotor.
+/// A reversal, forward to reverse and back, goes to standstill first, then through one tick in Standby, then
+/// in the other direction; the drive never acts against the turning rotor.
 #[test]
 fn reversal_comes_to_rest_first() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
@@ -94,12 +98,12 @@ fn reversal_comes_to_rest_first() {
     assert!(closed.bus_max < 61.0);
 }
 
-/// A fault from its cause while running at speed: code, and ticks from the injection to the fault.
+/// A fault from its cause at speed has its code, and comes within its number of ticks from the injection.
 #[test]
 fn every_fault_from_its_physical_cause() {
     let hall = [0x0601, 0x0602, 0x0603, 0x0604];
     let code = |cause: Cause| vec![cause as u16];
-    // Cause, what is allowed to be diagnosed, ticks allowed. Slow measurements come every 100 ticks.
+    // Cause, allowed diagnoses, allowed ticks. Slow measurements come every 100 ticks.
     let cases = [
         ("ambient 192 C", Injection::Ambient(192.0), code(Cause::OverTemperature), 1_100),
         ("supply 64 V", Injection::Supply(64.0), code(Cause::OverVoltage), 20),
@@ -121,7 +125,7 @@ fn every_fault_from_its_physical_cause() {
         ("break input", Injection::Break, code(Cause::EmergencyLine), 2),
         ("DSI1", Injection::Dsi1, code(Cause::ShutdownLine), 12),
     ];
-    // Over-pressure is critical only where the mask says so.
+    // Over-pressure is critical only if the mask says so.
     let changes = [(number::SHUTDOWN_INPUT, 1), (number::CRITICAL_FAULT_MASK, 0xFC00_00FE_u32.cast_signed())];
     let mut running = Closed::new(&wired(0, 0), &changes);
     running.boot();
@@ -151,7 +155,7 @@ fn every_fault_from_its_physical_cause() {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// The warning is no fault: the motor goes on.
+/// The temperature warning is no fault: the motor goes on.
 #[test]
 fn warm_is_a_warning() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
@@ -163,7 +167,7 @@ fn warm_is_a_warning() {
     assert_eq!(closed.status.faults, FaultWord::TEMPERATURE_WARNING);
 }
 
-/// A master that falls silent: fault 29 after its 250 ms, to the tick.
+/// A silent master causes fault 29 after its 250 ms, to the tick.
 #[test]
 fn silence_becomes_a_fault() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
@@ -174,8 +178,8 @@ fn silence_becomes_a_fault() {
     assert!(closed.status.critical.contains(FaultWord::DEVICE_TIMEOUT));
 }
 
-/// Over the six codes that a wiring shows: the worst distance from the true middle of the code's sector to the one that the
-/// calibrated table gives it, degrees.
+/// Largest distance, over the six codes of a wiring, from the true middle of the code's sector to the one
+/// that the calibrated table gives it, degrees.
 fn deviation(config: &HallConfig, found: HallWiring) -> f64 {
     let table = sectors(found);
     let offset = f64::from(found.offset) * 360.0 / 65_536.0;
@@ -189,7 +193,7 @@ fn deviation(config: &HallConfig, found: HallWiring) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The lines of a wiring at a rotor angle in degrees.
+/// Hall lines of a wiring at a rotor angle in degrees.
 fn wired_code(config: &HallConfig, angle: f64) -> u8 {
     let order = HallConfig::ORDERS[usize::from(config.order)];
     let high =
@@ -197,8 +201,8 @@ fn wired_code(config: &HallConfig, angle: f64) -> u8 {
     (0..3).fold(0, |lines, line| lines | u8::from(high(order[line])) << line) ^ config.polarity
 }
 
-/// All 48 wirings, each with one of five offsets: the calibration finds order and polarity and the offset within 3
-/// degrees, and with what it found the motor runs, in either direction.
+/// With all 48 wirings, each with one of five offsets, the calibration finds order and polarity, and the
+/// offset within 3 degrees; with its result the motor runs in either direction.
 #[test]
 fn calibration_finds_every_wiring() {
     let (mut worst, mut peak) = (0.0_f64, 0.0_f64);
@@ -223,7 +227,7 @@ fn calibration_finds_every_wiring() {
         let off = deviation(&config.hall, found);
         offs.push((config.hall.offset_deg, off));
         worst = worst.max(off);
-        // Drive is still requested: it must not start by itself.
+        // Drive is still requested: the motor must not start by itself.
         closed.run(100);
         assert_eq!(closed.drive.state(), State::Standby);
         let degrees = i32::from(found.offset) * 36_000 / 65_536;

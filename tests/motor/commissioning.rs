@@ -1,6 +1,7 @@
-//! Motors without a rated current run at up to 0.8 of their no-load speed, or a limit of the drive that forbids it is named.
+//! Tests that motors without a rated current run at up to 0.8 of their no-load speed, or that the limit of
+//! the drive that forbids it is named.
 //!
-//! The tests compute the speeds of a motor from its data and the supply, and do not ask commissioning.
+//! The tests compute the speeds of a motor from its data and the supply, without commissioning.
 
 use crate::commanded::commanded_tick;
 use narx_core::dictionary::number;
@@ -20,13 +21,14 @@ use xtask::bench::map;
 
 const RPM: f64 = 60.0 / TAU;
 const MODES: [Mode; 2] = [Mode::Hall, Mode::Sensorless];
-/// Of the no-load speed.
+/// Shares of the no-load speed.
 const SHARES: [f64; 3] = [0.3, 0.55, 0.8];
-/// Control ticks a second.
+/// Control ticks per second.
 const TICKS: f64 = 1e4;
 
-/// A random motor without a rated current, and its supply. No-load speed, power and the other ratios are those of motors from a small fan's to a
-/// scooter's, each drawn evenly in its logarithm or, for shares, evenly.
+/// Draws a random motor without a rated current, and its supply. No-load speed, power and the other ratios
+/// are those of motors from a small fan's to a scooter's, each uniform in its logarithm or, for shares,
+/// uniform.
 fn draw(seed: u64) -> (MotorConfig, f64) {
     let mut random = Random::new(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
@@ -62,13 +64,15 @@ fn plate(motor: MotorConfig, supply: f64) -> Nameplate {
     Nameplate { motor, rated_current: None, supply, open_loop_speed: None }
 }
 
-/// Speed without load where back-EMF and the resistance's share of friction are the whole supply, rpm: `V = R (Ts + B w) / k + k w`.
+/// Speed without load at which back-EMF and the resistance's share of friction take the whole supply, rpm: `V
+/// = R (Ts + B w) / k + k w`.
 fn no_load_speed(motor: &MotorConfig, supply: f64) -> f64 {
     let MotorConfig { resistance, torque_constant: k, static_friction, viscous_friction, .. } = *motor;
     (supply - resistance * static_friction / k) / (k + resistance * viscous_friction / k) * RPM
 }
 
-/// Why a speed, rpm, cannot be had, if the motor, the supply and the drive's ratings really forbid it; otherwise what commissioning got wrong.
+/// Returns the reason why a speed, rpm, is impossible, if the motor, the supply and the drive's ratings
+/// really forbid it; else the error of commissioning.
 fn forbidden(motor: &MotorConfig, supply: f64, rpm: f64, limit: SpeedLimit) -> Result<&'static str, String> {
     let w = rpm / RPM;
     let ticks = TICKS * 60.0 / (6.0 * f64::from(motor.pole_pairs) * rpm);
@@ -81,7 +85,7 @@ fn forbidden(motor: &MotorConfig, supply: f64, rpm: f64, limit: SpeedLimit) -> R
         SpeedLimit::Ticks => ("two ticks a sector", ticks < 2.25, ticks),
         SpeedLimit::Samples => ("four samples a sector", ticks < 4.1, ticks),
         SpeedLimit::Voltage => ("volts", volts > 0.88 * supply, volts),
-        // The rest of the 12 A would not start the motor.
+        // The rest of the 12 A would not suffice to start the motor.
         SpeedLimit::PeakCurrent => ("amperes", half_ripple + friction > 8.5, half_ripple + friction),
         SpeedLimit::Reported => ("messages", rpm > 32_767.0, rpm),
         SpeedLimit::Asked => ("asked", false, 0.0),
@@ -93,7 +97,7 @@ fn closed(mode: Mode) -> State {
     if mode == Mode::Hall { State::HallClosedLoop } else { State::SensorlessClosedLoop }
 }
 
-/// A bench on which a motor was commissioned, and its master.
+/// A bench with a commissioned motor, and its master.
 struct Run {
     bench: Bench,
     master: Master,
@@ -126,12 +130,13 @@ impl Run {
         (self.bench.plant().observe().angle - from) / seconds * RPM
     }
 
-    /// Starts, and waits for the speed; an error unless it is held in closed loop within 1 %. True if the drive lost step on the way and caught
-    /// the rotor again.
+    /// Starts, and waits for the speed; fails unless it is held in closed loop within 1 %. Returns true if
+    /// the drive lost step on the way and caught the rotor again.
     fn reach(&mut self, mode: Mode, rpm: f64) -> Result<bool, String> {
         self.master.start(rpm.round() as i32);
         let mut restarted = false;
-        // The ramp to full speed of the heaviest rotor takes half a minute. The second of settling counts from the last restart.
+        // The ramp to full speed of the heaviest rotor takes half a minute. The second of settling counts
+        // from the last restart.
         let mut settled = 0;
         for _ in 0..400 {
             self.pass(0.1);
@@ -147,7 +152,7 @@ impl Run {
     }
 
     fn hold(&mut self, mode: Mode, rpm: f64) -> Result<(), String> {
-        // At the slow end a revolution takes 0.2 s.
+        // At the slowest speed a revolution takes 0.2 s.
         let mean = self.mean(1.0);
         let status = self.bench.status();
         if status.state != closed(mode) || (mean / rpm.round() - 1.0).abs() > 0.01 {
@@ -163,7 +168,8 @@ impl Run {
     }
 }
 
-/// Runs a motor at a speed in a mode. Returns the name of the outcome, or an error that says what is wrong.
+/// Runs a motor at a speed in a mode. Returns the name of the outcome, or an error that describes the
+/// failure.
 fn outcome(motor: MotorConfig, supply: f64, share: f64, mode: Mode) -> Result<&'static str, String> {
     let rpm = share * no_load_speed(&motor, supply);
     // Table 2: 500 rpm with 4 pole pairs.
@@ -184,11 +190,13 @@ fn outcome(motor: MotorConfig, supply: f64, share: f64, mode: Mode) -> Result<&'
     }
 }
 
-/// Motors among the thousand whose speed hunts by 1 to 7 %: a sine drives 8 to 13 A back and forth through windings of 0.3 and 0.16 ohm that are given blocks of
-/// voltage, the bus is fed in every step, and the drive coasts. It is not commissioning that could mend that.
+/// Motors among the thousand whose speed hunts by 1 to 7 %: a sine drives 8 to 13 A back and forth through
+/// windings of 0.3 and 0.16 ohm to which blocks of voltage are applied, the bus is fed in every step, and the
+/// drive coasts. Commissioning cannot remedy that.
 const HUNTING: [u64; 2] = [166, 202];
 
-/// Quick, or all thousand with `NARX_LONG` in the environment.
+/// Random motors without a rated current run, or a limit forbids it: 30 motors, or all thousand with
+/// `NARX_LONG` in the environment.
 #[test]
 fn random_motors_without_a_rated_current_run_or_a_limit_forbids_it() {
     let motors = if std::env::var_os("NARX_LONG").is_some() { 1_000 } else { 30 };
@@ -231,7 +239,8 @@ fn random_motors_without_a_rated_current_run_or_a_limit_forbids_it() {
     }
 }
 
-/// Two and a third ticks a sector, and a current without load that is near the least one the drive takes for a current.
+/// A hall drive with 2 1/3 ticks per sector, and a no-load current near the smallest one that counts as a
+/// current, reports no open phase.
 #[test]
 fn short_steps_do_not_look_like_an_open_phase() {
     let (motor, supply) = draw(29);
@@ -257,7 +266,8 @@ fn ec90() -> MotorConfig {
     }
 }
 
-/// Taken to be rated 6 A, the first had 248 rpm left on 24 V and the second was refused.
+/// A motor for a higher voltage runs without load. If it were taken to be rated 6 A, the first one would have
+/// only 248 rpm left on 24 V, and the second would be refused.
 #[test]
 fn a_motor_for_a_higher_voltage_runs_without_load() {
     for resistance in [2.3, 2.9] {
@@ -276,7 +286,8 @@ fn a_motor_for_a_higher_voltage_runs_without_load() {
     }
 }
 
-/// The estimate against the data sheets of the presets: never more than a tenth above what the maker rates, and half of it or more but for large servo motors.
+/// The estimated rated current, against the data sheets of the presets, is never more than a tenth above the
+/// maker's rating, and at least half of it except for large servo motors.
 #[test]
 fn an_estimated_rated_current_does_not_overheat_a_motor_of_the_market() {
     for preset in &PRESETS {
@@ -289,7 +300,7 @@ fn an_estimated_rated_current_does_not_overheat_a_motor_of_the_market() {
     }
 }
 
-/// The torque that is told can be had at that speed; what the supply voltage does not leave cannot.
+/// The stated torque is available at its speed; more than the supply voltage allows is not.
 #[test]
 fn the_torque_that_is_told_is_there() {
     let motors: Vec<_> = (0..12).map(draw).chain([(ec90(), 24.0)]).collect();
@@ -308,7 +319,7 @@ fn the_torque_that_is_told_is_there() {
         let mut run = Run::new(*motor, *supply, commissioning);
         run.reach(*mode, told.speed).map_err(|why| format!("{supply} V, {told:?}: {why}"))?;
         let mut load = |torque: f64| {
-            // Step by step, as a load that grows.
+            // Step by step, like a growing load.
             for part in 1..=10 {
                 let constant = torque * f64::from(part) / 10.0;
                 run.bench.plant_mut().set_load(LoadConfig { constant, ..LoadConfig::default() });
@@ -318,7 +329,8 @@ fn the_torque_that_is_told_is_there() {
             run.hold(*mode, told.speed)
         };
         load(0.9 * told.torque).map_err(|why| format!("{supply} V, {told:?}, {}: {why}", mode.name()))?;
-        // All of the supply less back-EMF over the resistance, without a margin and without what commutation costs.
+        // All of the supply less back-EMF over the resistance, without a margin and without the losses of
+        // commutation.
         let w = told.speed / RPM;
         let current = (supply - motor.torque_constant * w) / motor.resistance;
         let all = motor.torque_constant * current - motor.static_friction - motor.viscous_friction * w;
@@ -331,7 +343,8 @@ fn the_torque_that_is_told_is_there() {
     assert!(wrong.is_empty(), "{} of {}\n{}", wrong.len(), points.len(), wrong.join("\n"));
 }
 
-/// The largest speed that is asked for is the limit, of rated motors, too; what the drive cannot do is refused with what it can.
+/// A requested largest speed becomes the limit, for rated motors, too; one that the drive cannot reach is
+/// refused with the possible range.
 #[test]
 fn a_largest_speed_can_be_asked_for() {
     let ec90_flat = preset("ec90-flat-90w-24v").unwrap();

@@ -1,4 +1,5 @@
-//! Sectors, the commutation table against back-EMF, and the instants of the commutator against a rotor in floating point.
+//! Tests of sectors, the commutation table against back-EMF, and the instants of the commutator against a
+//! rotor in floating point.
 
 use narx_core::motor::clock::Instant;
 use narx_core::motor::commutate::commutation::{LOCKS, STEPS, sector_of};
@@ -96,15 +97,16 @@ fn no_step_has_a_leg_switched_and_low_and_locks_pull_where_they_say() {
     }
 }
 
-/// A rotor in 2^-32 turn with exact arithmetic beside the commutator.
+/// A rotor in 2^-32 turn with exact arithmetic, beside the commutator.
 struct Run {
     angle: u64,
     commutator: Commutator,
     step: Option<Step>,
     changes: u64,
-    /// Largest |instant - exact| in periods, of changes that are neither forced to `earliest` nor to the period's end.
+    /// Largest |instant - exact| in periods, of changes that are forced neither to `earliest` nor to the
+    /// period's end.
     error: f64,
-    /// Largest distance of a forced change from its exact place, periods.
+    /// Largest distance of a forced change from its exact instant, periods.
     forced: f64,
 }
 
@@ -120,7 +122,7 @@ impl Run {
         }
     }
 
-    /// One period: checks every change of pattern against the boundary it stands for.
+    /// Runs one period: checks every change of pattern against its boundary.
     fn tick(&mut self, speed: i32, torque: Direction) {
         let c = CommutatorCoefficients { earliest: EARLIEST, advance: 0 };
         let (first, commutations) = self.commutator.step(&c, self.angle as u32, speed, torque);
@@ -146,7 +148,7 @@ impl Run {
         };
         let turned = if speed >= 0 { 1 } else { 5 };
         assert_eq!((sector(before) + turned) % 6, sector(step), "no boundary lost or doubled");
-        // The boundary between the two, nearest to where the rotor is.
+        // The boundary between the two that is nearest to the rotor.
         let entered = if speed >= 0 { sector(step) } else { sector(before) };
         let boundary = (30.0 + 60.0 * entered as f64) / 360.0;
         let angle = (self.angle as u32) as f64 / 4_294_967_296.0;
@@ -164,7 +166,8 @@ impl Run {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Constant speed, both ways, up to two ticks a sector, from any angle: 20 000 ticks.
+    /// At constant speed in both directions, up to two ticks per sector and from any angle, no boundary is
+    /// lost or doubled in 20 000 ticks.
     #[test]
     fn constant_speed(angle: u32, speed in 20_000..357_000_000_i32, back: bool, plug: bool) {
         let speed = if back { -speed } else { speed };
@@ -174,15 +177,18 @@ proptest! {
             run.tick(speed, torque);
         }
         prop_assert!(run.error <= 1e-3, "{} periods off", run.error);
-        // Moved to the nearer of the period's end and `earliest`: half of the blind start, and a little rounding.
+        // Moved to the nearer of the period's end and `earliest`: at most half of the blind start, and
+        // rounding.
         prop_assert!(run.forced <= EARLIEST as f64 / PERIOD / 2.0 + 1e-3, "{}", run.forced);
         let sectors = 20_000.0 * speed.unsigned_abs() as f64 / 4_294_967_296.0 * 6.0;
-        // One boundary at either end, and what is passed in the first period before `earliest`, where nothing is told apart yet.
+        // One boundary at either end, and those passed in the first period before `earliest`, which are not
+        // yet distinguished.
         let blind = EARLIEST as f64 / PERIOD * sectors / 20_000.0;
         prop_assert!((run.changes as f64 - sectors).abs() <= 1.0 + blind + 1e-3, "{} of {sectors}", run.changes);
     }
 
-    /// Slowly varying speed, the angle starting just before it wraps: nothing lost, nothing doubled.
+    /// With slowly varying speed and an angle that starts just before it wraps, no boundary is lost or
+    /// doubled.
     #[test]
     fn slowly_varying_speed(
         before_wrap in 0..5000_u32,
@@ -195,7 +201,7 @@ proptest! {
         let mut travelled = 0.0;
         for slope in walk {
             for _ in 0..250 {
-                // At most 0.1 % a tick.
+                // At most 0.1 % per tick.
                 speed = (speed * (1.0 + slope * 1e-3)).clamp(1e6, 3.57e8);
                 let signed = if back { -(speed as i32) } else { speed as i32 };
                 run.tick(signed, if back { Direction::Reverse } else { Direction::Forward });
@@ -206,7 +212,7 @@ proptest! {
         prop_assert!((run.changes as f64 - travelled / 4_294_967_296.0 * 6.0).abs() <= 1.01);
     }
 
-    /// Any angle and any speed whatever: instants in range and in order.
+    /// For any angle and any speed the instants are in range and in order.
     #[test]
     fn arbitrary_input(
         rotor in prop::collection::vec((any::<u32>(), any::<i32>()), 1..20),
@@ -228,7 +234,8 @@ proptest! {
 }
 
 proptest! {
-    /// A rotor that turns on as it did, after any leap, changes nothing until the tick in which the commutator has to be asked again.
+    /// A rotor that turns on as before, after any leap, changes nothing until the tick in which the
+    /// commutator must run again.
     #[test]
     fn nothing_changes_while_the_commutator_rests(
         earliest in 0..40_000_u16, advance in 0..1_u32 << 28, torque in prop::bool::ANY,
@@ -250,8 +257,8 @@ proptest! {
         }
     }
 
-    /// A commutator that is asked only when its rest is over, or when speed or torque is another, gives in every tick the pattern of one that is asked
-    /// in every tick.
+    /// A commutator that runs only when its rest is over, or when speed or torque has changed, gives in every
+    /// tick the pattern of one that runs in every tick.
     #[test]
     fn a_commutator_that_is_asked_when_due_is_one_that_looks(
         earliest in 0..40_000_u16, advance in 0..1_u32 << 28, start: u32,
@@ -291,7 +298,7 @@ fn a_rotor_at_rest_does_not_commutate() {
     }
 }
 
-/// 15 degrees of advance commutate 15 degrees earlier, in either direction.
+/// An advance of 15 degrees commutates 15 degrees earlier, in either direction.
 #[test]
 fn advance_looks_ahead() {
     let c = CommutatorCoefficients { earliest: EARLIEST, advance: ((15_u64 << 32) / 360) as u32 };

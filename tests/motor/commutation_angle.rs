@@ -1,4 +1,4 @@
-//! Where the bench sees commutation, against what was done to it.
+//! Tests that the bench measures the commutation angle that was set.
 
 use narx_core::dictionary::number;
 use narx_core::motor::Step;
@@ -13,7 +13,7 @@ fn config(mode: Mode) -> SessionConfig {
     SessionConfig { trace: false, ..SessionConfig::new(preset(MOTOR).unwrap().motor, 24.0, mode) }
 }
 
-/// Two and a half seconds after power-up, at `rpm`.
+/// A session 2.5 s after power-up, at `rpm`.
 fn running(config: &SessionConfig, rpm: i32) -> Session {
     let mut session = Session::new(config).unwrap();
     session.start(rpm);
@@ -21,10 +21,10 @@ fn running(config: &SessionConfig, rpm: i32) -> Session {
     session
 }
 
-/// The commutations of the next second, and how often the bridge went off.
+/// Commutations of the next second, and the number of times that the bridge was switched off.
 fn watch(session: &mut Session) -> (Commutations, u32) {
     let (mut commutations, mut coasted, mut off) = (Commutations::default(), 0, false);
-    // The first change that it sees is from nothing.
+    // The first change has no pattern before it.
     commutations.watch(session.bench());
     commutations.clear();
     for _ in 0..10_000 {
@@ -37,7 +37,8 @@ fn watch(session: &mut Session) -> (Commutations, u32) {
     (commutations, coasted)
 }
 
-/// A motor that is to slow down coasts. Where the bridge goes off and on again is no commutation; all others are within the promised 5 degrees.
+/// A motor that is to slow down coasts. Switching the bridge off and on again is no commutation; all others
+/// are within the promised 5 degrees.
 #[test]
 fn bridge_off_and_on_is_no_commutation() {
     let mut config = config(Mode::Sensorless);
@@ -54,7 +55,8 @@ fn bridge_off_and_on_is_no_commutation() {
     assert!(worst <= 5.0, "{worst:.1} degrees after {coasted} times of coasting");
 }
 
-/// What is early or late by a known angle is seen by that angle, either way round, and also beyond half a sector.
+/// A commutation that is early or late by a known angle is measured with that angle, in either direction, and
+/// also beyond half a sector.
 #[test]
 fn known_angles_are_seen() {
     for (offset, advance) in [(0.0, 0.0), (0.0, 10.0), (10.0, 0.0), (35.0, 0.0)] {

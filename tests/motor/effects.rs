@@ -1,4 +1,5 @@
-//! What each parameter and each transition does, seen from outside a drive with a motor: two values, and what they change.
+//! Tests of the effect of each parameter and each transition, from outside a drive with a motor: two values,
+//! and the change that they make.
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
@@ -14,7 +15,7 @@ fn config() -> PlantConfig {
     PlantConfig::new(MOTOR, 24.0)
 }
 
-/// Booted, and asked to drive.
+/// A drive after boot that is requested to drive.
 fn started(build: Build, changes: Changes<'_>) -> Closed {
     let mut closed = build(&config(), changes);
     closed.boot();
@@ -22,7 +23,7 @@ fn started(build: Build, changes: Changes<'_>) -> Closed {
     closed
 }
 
-/// At its speed for half a second.
+/// A drive that has run for two seconds.
 fn running(build: Build, changes: Changes<'_>) -> Closed {
     let mut closed = started(build, changes);
     assert_eq!(closed.run(20_000), Outcome::Running, "{changes:?}");
@@ -33,14 +34,15 @@ fn load(closed: &mut Closed, torque: f64) {
     closed.plant.set_load(LoadConfig { constant: torque, ..closed.plant.load() });
 }
 
-/// Asked to drive a flywheel: as fast as its limits allow.
+/// A drive that accelerates a flywheel as fast as its limits allow.
 fn accelerating(changes: Changes<'_>) -> Closed {
     let mut closed = started(Closed::new, &[&[(number::SPEED_RATE, 1_000_000)], changes].concat());
     closed.plant.set_load(LoadConfig { inertia: 2e-4, ..closed.plant.load() });
     closed
 }
 
-/// Ticks until the drive is in `state`; panics if it takes another way or longer than a few seconds.
+/// Number of ticks until the drive is in `state`; panics if it takes another way, or longer than a few
+/// seconds.
 fn reaches(closed: &mut Closed, state: State) -> u32 {
     let before = closed.drive.state();
     for tick in 0..60_000 {
@@ -53,12 +55,12 @@ fn reaches(closed: &mut Closed, state: State) -> u32 {
     panic!("{before:?} stays, {state:?} was expected")
 }
 
-/// Ticks in each of these states, one after the other.
+/// Number of ticks until each of these states, one after the other.
 fn ways(closed: &mut Closed, states: &[State]) -> Vec<u32> {
     states.iter().map(|state| reaches(closed, *state)).collect()
 }
 
-/// After a fault: the cause goes, Standby is requested, and the drive is in Standby.
+/// Acknowledges a fault whose cause has gone: requests Standby, and waits for it.
 fn acknowledge(closed: &mut Closed) {
     closed.silent = false;
     closed.ask(Request::Standby);
@@ -73,7 +75,7 @@ fn near(found: f64, expected: f64, what: &str) {
     assert!((found - expected).abs() <= 0.03 * expected + 0.3, "{what}: {found}, expected {expected}");
 }
 
-/// A field that turns by itself, with nothing else enabled.
+/// A drive in which only open loop is enabled.
 fn open_loop(config: &PlantConfig, changes: Changes<'_>) -> Closed {
     let only = [(number::HALL_ENABLE, 0), (number::SENSORLESS_ENABLE, 0), (number::OPEN_LOOP_ENABLE, 1)];
     Closed::new(config, &[&only, changes].concat())
@@ -131,7 +133,7 @@ fn a_drive_takes_the_transitions_of_a_sensorless_start() {
             reaches(&mut closed, if silent { Fault } else { Standby });
         }
     }
-    // The shaft is free again: it is caught and runs.
+    // The shaft is free again: the rotor is caught, and runs.
     let mut closed = running(Closed::sensorless, &[]);
     closed.plant.inject(Injection::BlockedRotor);
     reaches(&mut closed, SensorlessAutoRestart);
@@ -166,7 +168,8 @@ fn times_of_states_are_their_parameters() {
 
 #[test]
 fn times_of_a_still_rotor_are_their_parameters() {
-    // A shaft that is held shows no edge: speed 0 after parameter 113, a fault after parameter 265 of that.
+    // A shaft that is held shows no edge: the speed is 0 after parameter 113, the fault comes parameter 265
+    // after that.
     for (timeout, stall) in [(50, 300), (200, 1000)] {
         let changes = [(number::HALL_PERIOD_TIMEOUT, timeout), (number::HALL_STALL_TIME, stall)];
         let mut closed = running(Closed::new, &changes);
@@ -189,10 +192,10 @@ fn times_of_a_still_rotor_are_their_parameters() {
         }
         assert_eq!(closed.drive.state(), State::Fault);
     }
-    // Without sensors the same is told by crossings that do not come.
+    // Without sensors missing crossings show the same.
     let lost = |ticks: i32| {
         let mut closed = running(Closed::sensorless, &[(number::ZC_PERIOD_MAX, ticks)]);
-        // So slow that the time-out ends before the budget of blind steps.
+        // So slow that the time-out ends before the limit of blind steps.
         closed.set_point = 600.0;
         closed.ask(Request::Drive);
         closed.run(10_000);
@@ -216,7 +219,7 @@ fn thresholds_of_faults_are_their_parameters() {
         for (changes, code) in
             [(vec![(number::TEMPERATURE_WARNING, 800), (number, raw)], cause as u16), (vec![], 0)]
         {
-            // From the factory over-pressure is not critical.
+            // At its factory setting over-pressure is not critical.
             let critical = (number::CRITICAL_FAULT_MASK, 0xFC00_00FE_u32.cast_signed());
             let mut closed = Closed::new(&config(), &[changes.clone(), vec![critical]].concat());
             closed.boot();
@@ -225,7 +228,7 @@ fn thresholds_of_faults_are_their_parameters() {
             assert_eq!(closed.status.extended_code, code, "{cause:?} with {changes:?}");
         }
     }
-    // The least current that a loaded motor takes is above a threshold of 0.3 A.
+    // The smallest current that a loaded motor takes is above a threshold of 0.3 A.
     for (raw, faulty) in [(300, true), (7_000, false)] {
         let mut closed = started(Closed::new, &[(number::OVER_CURRENT, raw)]);
         load(&mut closed, 0.05);
@@ -245,7 +248,7 @@ fn supply(closed: &mut Closed, voltage: f64) {
     closed.plant.set_supply(SupplyConfig { voltage, ..closed.plant.config().supply });
 }
 
-/// Sum of |set-point - speed| over the 0.2 s after a load, rpm.
+/// Mean of |set-point - speed| over the 0.2 s after a load step, rpm.
 fn dip(build: Build, changes: Changes<'_>) -> f64 {
     let mut closed = running(build, changes);
     load(&mut closed, 0.03);
@@ -273,7 +276,7 @@ fn gains_of_the_speed_loops_are_their_parameters() {
     }
 }
 
-/// Mean and largest bus current of a start under a load that asks for all of it, A.
+/// Mean and largest bus current of a start whose load demands all of it, A.
 fn start_current(changes: Changes<'_>) -> (f64, f64) {
     let mut closed = accelerating(
         &[&[(number::HV_CURRENT_MAX, 1_000), (number::HV_CURRENT_SOFT_START, 1_000)], changes].concat(),
@@ -353,7 +356,8 @@ fn level_and_speed_of_open_loop_are_their_parameters() {
     assert!((slow - 200.0).abs() < 20.0 && (fast - 400.0).abs() < 20.0, "{slow} and {fast}");
 }
 
-/// Mean electrical angle of the rotor within a sector where the pattern changes, degrees, of changes that follow even and odd ones apart.
+/// Mean electrical angle of the rotor within a sector at the changes of the pattern, degrees, for even and
+/// odd sectors separately.
 fn commutations(changes: Changes<'_>) -> [f64; 2] {
     let mut closed = running(Closed::sensorless, changes);
     let mut found = [Vec::new(), Vec::new()];
@@ -368,7 +372,7 @@ fn commutations(changes: Changes<'_>) -> [f64; 2] {
             found[parity].push((sectors - sectors.floor()) * 60.0);
         }
     }
-    // On a circle of 60 degrees.
+    // Circular mean over 60 degrees.
     found.map(|angles| {
         assert!(angles.len() > 20, "{angles:?}");
         let sum = |of: fn(f64) -> f64| angles.iter().map(|angle| of(angle / 60.0 * TAU)).sum::<f64>();
@@ -380,7 +384,8 @@ fn apart(a: f64, b: f64) -> f64 {
     ((a - b + 30.0).rem_euclid(60.0) - 30.0).abs()
 }
 
-/// At 2000 rpm a sector has 12.5 ticks: 2 of them are 9.6 degrees.
+/// Delays of the zero crossings move the commutation: at 2000 rpm a sector has 12.5 ticks, and 2 of them are
+/// 9.6 degrees.
 #[test]
 fn delays_of_zero_crossings_move_the_commutation() {
     let plain = commutations(&[]);
@@ -390,7 +395,7 @@ fn delays_of_zero_crossings_move_the_commutation() {
     assert!((0..2).any(|parity| apart(plain[parity], falling[parity]) > 3.0), "{plain:?} and {falling:?}");
 }
 
-/// What a motor's constants say against what it shows: a wrong one is a lock that cannot be.
+/// Wrong constants of a motor contradict its measured voltage, and give the fault of a wrong lock.
 #[test]
 fn constants_of_the_motor_find_a_wrong_lock() {
     let commissioned = running(Closed::sensorless, &[]);
@@ -406,16 +411,17 @@ fn constants_of_the_motor_find_a_wrong_lock() {
     assert_eq!(wrong(&[], 0.03), 0, "they fit");
     // Half of the back-EMF; twenty times the resistance.
     assert_eq!(wrong(&[(number::BACK_EMF_CONSTANT, 1_800)], 0.0), code, "back-EMF");
-    // Under load it does not always start again, which is the other cause.
+    // Under load it does not always start again, which gives the other cause.
     let codes = [code, Cause::SensorlessStall as u16];
     assert!(codes.contains(&wrong(&[(number::WINDING_RESISTANCE, 7_000)], 0.03)), "resistance");
-    // An inductance takes what half of the back-EMF leaves of the voltage.
+    // A wrong inductance explains the voltage that half of the back-EMF leaves.
     let low = (number::BACK_EMF_CONSTANT, 1_800);
     assert!(codes.contains(&wrong(&[low], 0.03)), "back-EMF under load");
     assert_eq!(wrong(&[low, (number::WINDING_INDUCTANCE, 100_000)], 0.03), 0, "inductance");
 }
 
-/// Angles that a hall drive tells in a second at its speed: interpolated, or the edges alone.
+/// Above its speed the angle is interpolated, so that it has many values in half a second; below, it has
+/// those of the edges alone.
 #[test]
 fn the_angle_is_interpolated_above_its_speed() {
     let angles = |raw| {
@@ -431,7 +437,7 @@ fn the_angle_is_interpolated_above_its_speed() {
     assert!(interpolated > 50 && edges <= 12, "{interpolated} and {edges} angles");
 }
 
-/// A shaft that is held again and again: the motor is caught a few times, and then it is a fault.
+/// A shaft that is held again and again gives a fault after the motor was caught a few times.
 #[test]
 fn a_motor_that_is_held_again_and_again_is_a_stall() {
     let mut closed = running(Closed::sensorless, &[]);

@@ -1,4 +1,5 @@
-//! Extreme parameters: whatever set builds, the tick's arithmetic neither overflows nor divides by 0 (tests check both), on any samples.
+//! Tests of extreme parameters: with any set that builds, the tick's arithmetic neither overflows nor divides
+//! by 0 (tests check both), for any samples.
 
 use narx_core::dictionary::{Access, Category, Dictionary, Parameters, number};
 use narx_core::motor::machine::event::SlowMeasurements;
@@ -8,7 +9,7 @@ use narx_core::motor::{
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use proptest::prelude::*;
 
-/// Numbers of the parameters that coefficients are built from.
+/// Numbers of the parameters from which coefficients are built.
 fn numbers() -> Vec<u16> {
     let built = |category| {
         matches!(
@@ -54,7 +55,7 @@ fn boards() -> impl Strategy<Value = Board> {
     })
 }
 
-/// Often plausible, often at the ends of the converter.
+/// Samples that are often plausible and often at the ends of the converter.
 fn samples() -> impl Strategy<Value = Samples> {
     let voltage = prop_oneof![6 => 1_000..3_000_u16, 1 => Just(0), 1 => any::<u16>()];
     let current = prop_oneof![6 => 1_900..2_300_u16, 1 => any::<u16>()];
@@ -131,7 +132,7 @@ proptest! {
     }
 }
 
-/// The sets above do build often enough, and their drives do run.
+/// The sets above build often enough, and their drives run.
 #[test]
 fn extreme_sets_build_and_run() {
     use proptest::strategy::ValueTree;

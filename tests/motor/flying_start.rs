@@ -1,19 +1,21 @@
-//! A rotor that turns already when Drive is asked for: forward it is caught, backward it is braked within the bus limit first.
+//! Tests of starts with a rotor that already turns: forward it is caught, backward it is braked within the
+//! bus limit first.
 
 use crate::bench::{Closed, MOTOR, RPM};
 use narx_core::motor::{Request, State, Step};
 use narx_sim::plant::{Injection, LoadConfig, Plant, PlantConfig};
 
-/// What a start into a turning rotor came to.
+/// Result of a start with a turning rotor.
 struct Flight {
     closed: Closed,
-    /// Slowest and fastest, rpm.
+    /// Slowest speed, rpm.
     slowest: f64,
     peak: f64,
     bus_max: f64,
 }
 
-/// Boots, lets the rotor turn with `rpm`, and asks for Drive; three seconds. `inertia` of the load, in rotors.
+/// Boots, lets the rotor turn with `rpm`, and requests Drive for three seconds. `inertia` is the load's, in
+/// multiples of the rotor's.
 fn fly(supply: f64, rpm: f64, inertia: f64) -> Flight {
     let mut config = PlantConfig::new(MOTOR, supply);
     config.load = LoadConfig { inertia: inertia * MOTOR.inertia, ..LoadConfig::default() };
@@ -36,8 +38,8 @@ fn fly(supply: f64, rpm: f64, inertia: f64) -> Flight {
     Flight { closed, slowest, peak, bus_max }
 }
 
-/// Forward: caught at its speed and led to the set-point, neither to rest nor to the open-loop speed first; a faster one falls to the
-/// set-point by itself, since nothing may feed the bus.
+/// A rotor that turns forward is caught at its speed and led to the set-point, neither to rest nor to the
+/// open-loop speed first. A faster one falls to the set-point by itself, because the bus must not be fed.
 #[test]
 fn a_rotor_that_turns_forward_is_caught() {
     for supply in [18.0, 24.0, 48.0, 60.0] {
@@ -45,7 +47,7 @@ fn a_rotor_that_turns_forward_is_caught() {
             let flight = fly(supply, rpm, inertia);
             let name = format!("{supply} V, {rpm} rpm, {inertia} rotors");
             assert_eq!(flight.closed.drive.state(), State::SensorlessClosedLoop, "{name}");
-            // It coasts through rotor lock (T23): 0.15 s of friction.
+            // It coasts during rotor lock (T23): 0.15 s of friction.
             let friction = MOTOR.static_friction / (MOTOR.inertia * (1.0 + inertia));
             let coasted = rpm - 0.2 * friction * 60.0 / core::f64::consts::TAU;
             assert!(flight.slowest > 0.9 * coasted.min(RPM), "{name}: {:.0} rpm", flight.slowest);
@@ -56,8 +58,8 @@ fn a_rotor_that_turns_forward_is_caught() {
     }
 }
 
-/// Backward: shorted where the windings carry it, otherwise left to coast; then started. The bus stays below its threshold, the phase current
-/// within 12 A and 5 %.
+/// A rotor that turns backward is braked by a short circuit if the windings can carry that, else left to
+/// coast; then it is started. The bus stays below its threshold, the phase current within 12 A and 5 %.
 #[test]
 fn a_rotor_that_turns_backward_is_braked_first() {
     for supply in [18.0, 24.0, 60.0] {
@@ -72,8 +74,9 @@ fn a_rotor_that_turns_backward_is_braked_first() {
     }
 }
 
-/// Heavy, fast and backward: windings that could brake it would carry more than 12 A, and the bus takes nothing. It is left to coast and the
-/// drive gives up in Standby (T71), bridge off throughout.
+/// A rotor that turns fast backward with high inertia is left to coast, because its windings would carry more
+/// than 12 A as a brake, and the bus must not be fed. The drive gives up in Standby (T71), with the bridge
+/// off throughout.
 #[test]
 fn a_rotor_that_cannot_be_braked_is_left_alone() {
     let flight = fly(24.0, -2500.0, 40.0);
@@ -81,7 +84,8 @@ fn a_rotor_that_cannot_be_braked_is_left_alone() {
     assert!(flight.peak < 0.1 && flight.bus_max < 24.1, "{:.2} A", flight.peak);
 }
 
-/// The other direction is asked for while the rotor is still being brought up: the bridge lets go at once, and the start begins anew in that direction.
+/// If the other direction is requested while the rotor is still being brought up, the bridge is switched off
+/// at once, and the start begins anew in that direction.
 #[test]
 fn a_start_that_is_reversed_begins_anew() {
     for (state, ticks) in [
@@ -109,7 +113,8 @@ fn a_start_that_is_reversed_begins_anew() {
     }
 }
 
-/// A blocked rotor is still being pulled when open loop is over: the other direction is asked for, and the bridge lets go before the time-out has passed.
+/// If the other direction is requested while a blocked rotor is still being pulled after the end of open
+/// loop, the bridge is switched off before the time-out has passed.
 #[test]
 fn a_rotor_that_cannot_be_brought_up_is_let_go_of() {
     let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[]);

@@ -1,4 +1,4 @@
-//! The hall station by itself: sequences, accuracy, glitches, standstill.
+//! Tests of the hall station alone: sequences, accuracy, glitches, standstill.
 
 use crate::rotor::{ScriptedRotor, code_at, error_degrees, sector_at};
 use crate::support::coefficients_on;
@@ -8,13 +8,13 @@ use narx_core::motor::commutate::commutator::Commutator;
 use narx_core::motor::rotor::hall::{Hall, HallCoefficients, HallEvents};
 use narx_core::motor::{Board, Coefficients, Direction, Edge, EdgeSource, Samples, Step};
 
-/// Factory values, but a time-out of 1 s and interpolation from 10 rpm, so that 1 rev/s can be measured.
+/// Factory values, except a time-out of 1 s and interpolation from 10 rpm, so that 1 rev/s can be measured.
 fn coefficients(capture: bool) -> Coefficients {
     let board = Board { hall_capture: capture, ..Board::BENCH };
     coefficients_on(&board, &[(number::HALL_PERIOD_TIMEOUT, 1000), (number::HALL_INTERPOLATION_SPEED, 10)])
 }
 
-/// A station, and the clock beside it.
+/// A station with its clock.
 #[derive(Clone, Copy, Default)]
 struct Station {
     hall: Hall,
@@ -22,7 +22,7 @@ struct Station {
 }
 
 impl Station {
-    /// One tick more, and a look at it.
+    /// Runs the next tick.
     fn next(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
         self.now = self.now.next();
         self.hall.step(c, self.now, samples)
@@ -52,7 +52,8 @@ fn level(hall: u8) -> Samples {
     Samples { hall, ..Samples::default() }
 }
 
-/// Every sequence of four codes from every sector and direction, with and without capture.
+/// After every sequence of four codes, from every sector and direction, with and without capture, three right
+/// samples give the right sector.
 #[test]
 fn all_sequences_of_four_codes() {
     let mut checked = 0;
@@ -61,7 +62,7 @@ fn all_sequences_of_four_codes() {
         [false, true].iter().flat_map(|c| (0..6).flat_map(move |s| [false, true].map(|b| (*c, s, b))))
     {
         let c = coefficients(capture).hall;
-        // 20 ticks a sector; ends in the middle of `sector`.
+        // 20 ticks per sector; ends in the middle of `sector`.
         let frequency = 10_000.0 / 120.0 * if back { -1.0 } else { 1.0 };
         let angle = (sector as f64 + 1.0) / 6.0;
         let mut rotor = ScriptedRotor::new(angle, frequency, capture);
@@ -78,11 +79,11 @@ fn all_sequences_of_four_codes() {
                 assert!(station.hall.sector().is_some_and(|sector| sector < 6));
                 assert_eq!(events.invalid, code == 0 || code == 7);
             }
-            // However wild, three samples of the truth bring it back.
+            // After any sequence three right samples restore the sector.
             assert_eq!(station.hall.sector(), Some(sector), "{codes:?} from sector {sector}");
             let glitches = codes.iter().filter(|code| **code != here).count();
             if glitches == 1 {
-                // In and out again.
+                // A sequence moves the sector by two at most: in and out again.
                 assert!(turned <= 2, "{codes:?} from sector {sector}: {turned} sectors");
                 most = most.max(turned);
             }
@@ -119,8 +120,9 @@ fn accuracy(frequency: f64, capture: bool, start: f64) -> Accuracy {
     Accuracy { speed, angle_mean: sum / ticks as f64, angle_worst: worst }
 }
 
-/// 1 to 833 rev/s, both ways. Captured edges: speed within 0.1 %, angle within 0.1 degrees. Levels sampled once a tick: half a
-/// tick of motion, and what the sampling does to a sector's length.
+/// At 1 to 833 rev/s in both directions, captured edges give the speed within 0.1 % and the angle within 0.1
+/// degrees. Levels sampled once a tick give them within half a tick of motion, and the effect of sampling on
+/// the length of a sector.
 #[test]
 fn steady_rotation() {
     println!("rev/s capture: speed error, angle error mean / worst; sampled: the same");
@@ -140,7 +142,8 @@ fn steady_rotation() {
             );
             assert!(captured.speed < 1e-3, "{} %", captured.speed * 100.0);
             assert!(captured.angle_worst < 0.1, "{} degrees", captured.angle_worst);
-            // A tick of motion. The speed dips by half a tick in a sector while the edge that has come is not yet seen.
+            // A tick of motion. The speed dips by half a tick in a sector while an edge that has happened is
+            // not yet seen.
             let tick = 360.0 * frequency / 10_000.0;
             assert!(sampled.angle_mean.abs() < 0.6 * tick + 0.1, "{} degrees", sampled.angle_mean);
             assert!(sampled.angle_worst < 0.8 * tick + 0.3, "{} degrees", sampled.angle_worst);
@@ -149,16 +152,17 @@ fn steady_rotation() {
     }
 }
 
-/// How a glitch comes.
+/// Kind of a glitch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Glitch {
     /// One sample of the level.
     Level,
-    /// A pulse that the capture sees: there and back within the period.
+    /// A pulse that the capture sees: two edges within the period.
     Pulse,
 }
 
-/// Ticks in which the pattern differs from that of an undisturbed run, for one glitch.
+/// Number of ticks in which the pattern differs from that of an undisturbed run after one glitch, in all and
+/// in a row.
 fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Station, code: u8, kind: Glitch) -> (u32, u32) {
     let torque = if rotor.speed > 0.0 { Direction::Forward } else { Direction::Reverse };
     let mut rotor = rotor.clone();
@@ -195,8 +199,9 @@ fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Station, code: u8, 
     (wrong, longest)
 }
 
-/// Single glitches of every code at every phase of a revolution: the pattern is wrong for 3 ticks at most with captured
-/// edges, 5 with sampled levels, after the glitch and at the boundaries of the two revolutions that follow.
+/// After a single glitch of any code at any phase of a revolution, the pattern is wrong for 3 ticks at most
+/// with captured edges, 5 with sampled levels, counted after the glitch and at the boundaries of the two
+/// revolutions that follow.
 #[test]
 fn glitches_hardly_disturb_the_pattern() {
     let mut results = Vec::new();
@@ -228,7 +233,8 @@ fn glitches_hardly_disturb_the_pattern() {
     assert!(results.iter().all(|(wrong, allowed)| wrong <= allowed), "{results:?}");
 }
 
-/// A motor that stands for longer than an interval can count (6.5 s) has speed 0, and its next edge is not taken for a fast one.
+/// A motor that stands for longer than an interval can count (6.5 s) has speed 0, and its next edge does not
+/// count as a fast one.
 #[test]
 fn standstill_does_not_alias() {
     let c = coefficients(true);
@@ -257,7 +263,7 @@ fn standstill_does_not_alias() {
     }
 }
 
-/// A drive that powers up under a turning rotor does not take the first, cut-off sector for a short one.
+/// After a power-up with a turning rotor the first, incomplete sector does not count as a short one.
 #[test]
 fn power_up_while_turning() {
     for capture in [false, true] {
@@ -276,7 +282,7 @@ fn power_up_while_turning() {
     }
 }
 
-/// Sensors that fall silent and are looked at only when that is due are counted as if it had been in every tick: once.
+/// Sensors that lose their code count once, whether they are evaluated in every tick or only when it is due.
 #[test]
 fn an_invalid_code_counts_once_however_seldom_it_is_looked_at() {
     let c = coefficients(false).hall;
@@ -297,7 +303,7 @@ fn an_invalid_code_counts_once_however_seldom_it_is_looked_at() {
         assert_eq!(sleeps, looks.hall, "{ticks} ticks");
     }
     assert_eq!(mute.hall.diagnostics().invalid, 1);
-    // Again for every time that they come and go, until there is no more room.
+    // They count again each time that the code comes and goes, up to the largest count.
     for _ in 0..70_000 {
         for code in [1, 1, 7] {
             mute.next(&c, &level(code));
@@ -306,7 +312,7 @@ fn an_invalid_code_counts_once_however_seldom_it_is_looked_at() {
     assert_eq!(mute.hall.diagnostics().invalid, u16::MAX);
 }
 
-/// Lines without sensors have no code that could be lost.
+/// Lines without sensors never had a code that could be lost: nothing is counted.
 #[test]
 fn a_drive_without_sensors_counts_no_invalid_codes() {
     let c = coefficients(false).hall;
@@ -319,8 +325,8 @@ fn a_drive_without_sensors_counts_no_invalid_codes() {
     }
 }
 
-/// The sensors of a rotor that does everything that moves a deadline: it turns at any speed, creeps, stands for longer than the time-out, turns round,
-/// and its code is disturbed or gone.
+/// Samples of a rotor with every event that moves a deadline: it turns at any speed, creeps, stands for
+/// longer than the time-out, reverses, and its code is disturbed or lost.
 fn anything(capture: bool) -> impl Iterator<Item = Samples> {
     let turns = [(800.0, 0), (33.3, 0), (-20.0, 0), (-1.5, 0), (0.0, 12_000), (-4.0, 0), (0.3, 0), (90.0, 0)];
     let mut rotor = ScriptedRotor::new(0.3, 0.0, capture);
@@ -345,7 +351,8 @@ fn anything(capture: bool) -> impl Iterator<Item = Samples> {
     )
 }
 
-/// A station that is stepped only when it is due, or when code or edges say something new, is in every tick as one that is made to look at everything.
+/// A station that runs only when it is due, or when code or edges are new, has in every tick the state of one
+/// that evaluates every tick.
 #[test]
 fn a_station_that_is_stepped_when_due_is_one_that_looks_in_every_tick() {
     for capture in [false, true] {
@@ -364,7 +371,7 @@ fn a_station_that_is_stepped_when_due_is_one_that_looks_in_every_tick() {
                 timed += u32::from(!news);
                 sleeps.step(&c, now, &samples)
             } else {
-                // What a lost code says it says again.
+                // A lost code is reported again in every tick.
                 HallEvents { invalid: sleeps.is_mute(), ..HallEvents::default() }
             };
             ticks += 1;
@@ -381,7 +388,8 @@ fn a_station_that_is_stepped_when_due_is_one_that_looks_in_every_tick() {
     }
 }
 
-/// Sensors that show nothing, or the same code for days, need no look: not even after the farthest deadline, 2^30 ticks.
+/// Sensors that show nothing, or the same code for days, need no look: not even after the farthest deadline,
+/// 2^30 ticks.
 #[test]
 fn sensors_that_stand_are_asked_once_in_30_hours() {
     let c = coefficients(false).hall;

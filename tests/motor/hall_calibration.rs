@@ -1,19 +1,19 @@
-//! The hall calibration by itself: what three lines of one rotor do, and what they do not.
+//! Tests of the hall calibration alone: three lines that are sensors of one rotor, and others that are not.
 
 use crate::rotor::code_at;
 use narx_core::motor::rotor::hall_calibration::{
     HallCalibration, HallCalibrationCoefficients, HallCalibrator,
 };
 
-/// 1024 ticks a revolution.
+/// Speed of the field: 1024 ticks per revolution.
 const SPEED: u32 = 1 << 22;
 
-/// Turns a field there and back, and a rotor with it whose lines `change` alters: the outcome.
+/// Turns a field forward and back, with a rotor whose lines `change` alters; returns the result.
 fn calibrate(change: impl Fn(u8, f64) -> u8) -> HallCalibration {
     let c = HallCalibrationCoefficients { speed: SPEED, level: 1 << 16 };
     let mut calibrator = HallCalibrator::default();
     let line = |tick: u32| {
-        // A revolution and a quarter forward, and the same back.
+        // 1.25 revolutions forward, and the same back.
         let travelled = f64::from(tick) / 1024.0;
         let angle = if travelled < 1.25 { travelled } else { 2.5 - travelled };
         change(code_at(angle.rem_euclid(1.0)), angle.rem_euclid(1.0))
@@ -39,6 +39,6 @@ fn a_line_that_does_not_change_as_a_sensor_does_fails() {
         let bounces = |code, angle: f64| if (0.5..0.51).contains(&angle) { code ^ bit } else { code };
         assert_eq!(calibrate(bounces), HallCalibration::Failed, "line {line} bounces");
     }
-    // Two lines of which one is the other's: they turn as no three sensors do.
+    // Two lines are equal: no three sensors behave like this.
     assert_eq!(calibrate(|code, _| code & 0b110 | code >> 1 & 1), HallCalibration::Failed);
 }

@@ -1,4 +1,4 @@
-//! Faulty hall sensors on the whole drive: every failure has a name and a bounded time.
+//! Tests of faulty hall sensors in the whole drive: every failure has a name and a bounded time.
 
 use crate::rotor::ScriptedRotor;
 use crate::scripted::{BOOT, Scripted};
@@ -10,12 +10,12 @@ fn drive(frequency: f64) -> Scripted {
     let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_MIN_HES, 300)]);
     let mut script = Scripted::new(c, ScriptedRotor::new(0.2, frequency, true), 0);
     script.boot();
-    // 48 V on 0.8 ohm: windings carry current, else an open phase is the first thing to be found.
+    // 48 V on 0.8 ohm: windings carry current, else an open phase would be detected first.
     script.blocked_current = 60.0;
     script
 }
 
-/// Ticks from the failure to the fault, and its code.
+/// Number of ticks from the failure to the fault, and its code.
 fn until_fault(script: &mut Scripted, limit: u64, spoil: impl Fn(&mut Samples)) -> Option<(u64, u16)> {
     for tick in 1..=limit {
         let output = script.tick(&spoil);
@@ -47,7 +47,8 @@ const HALL_CODES: [u16; 4] = [
     Cause::HallDirection as u16,
 ];
 
-/// Each line high or low at once while turning at 500 to 4000 rpm of four pole pairs, both ways.
+/// A line that sticks high or low at speed becomes a fault, at 500 to 4000 rpm of four pole pairs, in both
+/// directions.
 #[test]
 fn stuck_line_at_speed() {
     let mut worst = 0;
@@ -72,8 +73,9 @@ fn stuck_line_at_speed() {
     assert!(worst <= 1_500, "{worst} ticks");
 }
 
-/// A stuck line at standstill with a rotor that does not turn: at most the time-out (100 ms) for which a jump is doubted, the
-/// rise of the voltage (50 ms) and the stall time (500 ms); 71 ticks where the code is invalid at once.
+/// A line that sticks at standstill, with a rotor that does not turn, becomes a fault: after at most the
+/// time-out for which a jump is doubted (100 ms), the rise of the voltage (50 ms) and the stall time (500
+/// ms); after 71 ticks where the code is invalid at once.
 #[test]
 fn stuck_line_from_standstill() {
     let mut worst = 0;
@@ -91,7 +93,7 @@ fn stuck_line_from_standstill() {
     assert!(worst <= 6_500, "{worst} ticks");
 }
 
-/// Sensors without supply (111) or shorted (000).
+/// Sensors without supply (111) or shorted (000) are a fault after 71 ticks.
 #[test]
 fn no_sensors_at_all() {
     for code in [0, 7] {
@@ -103,13 +105,14 @@ fn no_sensors_at_all() {
                 samples.edges.clear();
             };
             let found = until_fault(&mut script, 20_000, spoil);
-            // One tick takes T15; the sensors are judged from the next on.
+            // T15 takes one tick; the sensors are judged from the next on.
             assert_eq!(found, Some((71, Cause::HallInvalid as u16)), "{code:03b} at {frequency} rev/s");
         }
     }
 }
 
-/// A blocked rotor: torque, no edge; the speed is 0 after its time-out (100 ms), the stall a stall time later (500 ms).
+/// A blocked rotor, with torque but without an edge, is a stall: the speed is 0 after its time-out (100 ms),
+/// and the fault follows a stall time later (500 ms).
 #[test]
 fn blocked_rotor() {
     let mut script = drive(0.0);
@@ -120,21 +123,21 @@ fn blocked_rotor() {
     assert!((5_000..=6_010).contains(&ticks), "{ticks}");
 }
 
-/// Edges that run against the torque: lines swapped in pairs look like this.
+/// Edges that run against the torque, as with lines swapped in pairs, are a fault.
 #[test]
 fn rotor_runs_against_the_torque() {
     let mut script = drive(-20.0);
     script.ask(Request::Drive);
-    // Slower than half of the smallest set-point torque is applied against the motion.
+    // At less than half of the smallest set-point torque is applied against the motion.
     script.rotor.speed = -5.0 / 10_000.0;
     let (ticks, code) = until_fault(&mut script, 20_000, |_| {}).expect("a fault");
     println!("edges against the torque become fault {code:04x} after {ticks} ticks");
     assert_eq!(code, Cause::HallDirection as u16);
-    // Two sectors of 333 ticks until the speed is known to be small enough for torque, six edges, a part of one.
+    // Two sectors of 333 ticks until the speed is small enough for torque, six edges, and a part of a sector.
     assert!(ticks <= 9 * 334, "{ticks}");
 }
 
-/// Ticks just before u64 wraps change nothing: the same outputs as from tick 0.
+/// A tick number that wraps at the end of u64 changes nothing: the outputs are those from tick 0.
 #[test]
 fn a_tick_number_that_wraps() {
     let c = coefficients(&[(number::HALL_ENABLE, 1)]);
@@ -152,7 +155,7 @@ fn a_tick_number_that_wraps() {
     assert!(wraps.status.tick < 2_000);
 }
 
-/// A calibration is for the next start alone, and whoever withdraws it gets an ordinary start.
+/// A calibration applies to the next start only; after it was withdrawn the start is an ordinary one.
 #[test]
 fn a_calibration_is_armed_withdrawn_and_spent() {
     for (asked, expected) in [

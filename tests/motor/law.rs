@@ -1,5 +1,5 @@
-//! The law of the deadlines: one may be early, never late. So a drive that asks its stations only when a deadline is due answers every tick as
-//! one that asks them in every tick.
+//! Tests of the law of the deadlines: a deadline may be early, never late. A drive that runs its stations
+//! only when a deadline is due therefore answers every tick as one that runs them in every tick.
 
 use crate::bench::{Closed, MOTOR, Outcome};
 use crate::rotor::ScriptedRotor;
@@ -18,7 +18,7 @@ fn watched(supply: f64) -> Closed {
     closed
 }
 
-/// Other set-points and loads, the first one from standstill for `start` ticks.
+/// Drives with several set-points and loads, the first one from standstill for `start` ticks.
 fn drive_around(closed: &mut Closed, start: u64) {
     for (set_point, load, ticks) in
         [(800.0, 0.0, start), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
@@ -68,14 +68,14 @@ fn a_motor_without_sensors_keeps_the_law() {
         drive_around(&mut closed, 12_000);
         closed.plant.set_load(LoadConfig::default());
         turn_back(&mut closed);
-        // Blocked, it gives up, each try watched.
+        // With a blocked rotor it gives up; every try is compared.
         closed.plant.inject(Injection::BlockedRotor);
         closed.run(40_000);
         assert!(closed.rpm().abs() < 1.0 && closed.status.state != State::SensorlessClosedLoop);
     }
 }
 
-/// A motor that just runs, with its sensors or without, watched.
+/// A motor at constant speed, with its sensors or without, with comparison on.
 fn running(sensors: bool) -> Closed {
     let mut config = PlantConfig::new(MOTOR, 24.0);
     config.angle_deg = 40.0;
@@ -89,7 +89,7 @@ fn running(sensors: bool) -> Closed {
     closed
 }
 
-/// Measurements and commands that say something new are seen in the same tick.
+/// New measurements and commands take effect in the same tick.
 #[test]
 fn news_is_seen_in_its_tick() {
     for sensors in [true, false] {
@@ -125,8 +125,9 @@ fn too_fast_an_edge_is_judged_in_its_tick() {
     }
 }
 
-/// Control at ease only divides by the bus voltage. What ends the ease is seen in the same tick: another bus voltage, pulses too short to be sampled
-/// in, a current that the ratings do not leave, a bus that is not to be fed, a duty that runs against its slew.
+/// The end of the short way of the control loop is noticed in the same tick. On the short way the controller
+/// only divides by the bus voltage; it ends with another bus voltage, pulses too short for sampling, a
+/// current beyond the ratings, a bus that must not be fed, or a duty beyond its slew.
 #[test]
 fn ease_ends_in_time() {
     for sensors in [true, false] {
@@ -135,13 +136,13 @@ fn ease_ends_in_time() {
             closed.plant.inject(Injection::Supply(supply));
             assert_eq!(closed.run(1_500), Outcome::Running, "{supply} V");
         }
-        // To pulses that are too short to be sampled in, and back.
+        // To pulses that are too short for sampling, and back.
         for set_point in [600.0, 3_000.0] {
             closed.set_point = set_point;
             closed.ask(Request::Drive);
             assert_eq!(closed.run(4_000), Outcome::Running, "{set_point} rpm");
         }
-        // Ratings that bind, and no longer do.
+        // Ratings that limit, and later do not.
         for milliamperes in [300, 3_000] {
             closed.configure(&[
                 (number::HV_CURRENT_SOFT_START, milliamperes),
@@ -152,7 +153,7 @@ fn ease_ends_in_time() {
             closed.plant.set_load(LoadConfig::default());
             closed.run(1_500);
         }
-        // Nearly every change of the duty is more than this slew allows.
+        // Nearly every change of the duty is larger than this slew.
         closed.configure(&[(number::DUTY_SLEW, 50)]);
         closed.run(3_000);
         closed.configure(&[]);
@@ -163,8 +164,8 @@ fn ease_ends_in_time() {
     }
 }
 
-/// A phase that opens under way is found out by steps without current, or by crossings that do not come.
-/// The drive says so in the tick in which it knows.
+/// A phase that opens under way is detected by steps without current, or by missing crossings, and is
+/// reported in the tick in which it is detected.
 #[test]
 fn an_open_phase_is_told_in_its_tick() {
     for (sensors, phase) in
@@ -179,7 +180,8 @@ fn an_open_phase_is_told_in_its_tick() {
             let code = Cause::OpenPhase as u16;
             assert!(matches!(outcome, Outcome::Fault { code: found, .. } if found == code), "{outcome:?}");
         } else {
-            // Its crossings are gone first. Until the drive knows, it may follow noise and feed the bus from the heavy rotor: then that is the fault.
+            // Without sensors its crossings are lost first. Until this is detected the drive may follow
+            // noise, and feed the bus from the heavy rotor: then that is the fault.
             let fed =
                 matches!(outcome, Outcome::Fault { code: found, .. } if found == Cause::OverVoltage as u16);
             let lost = closed.drive.state() == State::SensorlessAutoRestart;
@@ -188,14 +190,15 @@ fn an_open_phase_is_told_in_its_tick() {
     }
 }
 
-/// Current flows in two steps of six alone: with the other four goes the open phase. The rotor speeds up, so the drive learns of the end of a step by its edge, and
-/// of the open phase with it.
+/// An open phase that an edge shows is reported in its tick. With an open phase current flows in only two of
+/// the six steps. The rotor speeds up, so the drive detects the end of a step by its edge, and the open phase
+/// with it.
 #[test]
 fn an_open_phase_that_an_edge_shows_is_told_in_its_tick() {
     for gain in [1.0005, 1.001, 1.002] {
         let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_RATE, 10_000_000)]);
         let mut script = Scripted::new(c, ScriptedRotor::new(0.2, 60.0, true), 0);
-        // What it never reaches.
+        // A set-point that it never reaches.
         script.speed = 300;
         script.watch();
         script.boot();
@@ -219,7 +222,8 @@ fn an_open_phase_that_an_edge_shows_is_told_in_its_tick() {
     }
 }
 
-/// A set-point that falls without a ramp takes the speed loop's whole voltage in one turn.
+/// A set-point that falls without a ramp takes away the speed loop's whole voltage in one turn; the drive
+/// follows it.
 #[test]
 fn a_set_point_that_leaps_is_followed() {
     for sensors in [true, false] {

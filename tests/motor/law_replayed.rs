@@ -1,4 +1,5 @@
-//! The law of the deadlines over what is recorded: windows of worlds in which everything goes wrong, and the conformance vectors.
+//! Tests of the law of the deadlines on recordings: windows of worlds with many faults at once, and the
+//! conformance vectors.
 
 use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
@@ -9,7 +10,7 @@ use xtask::bench::map;
 use xtask::vectors::{directory, scenarios};
 use xtask::worlds::windows;
 
-/// A drive, beside one that asks every station in every tick.
+/// A drive, beside one that runs every station in every tick.
 #[derive(Deserialize)]
 struct Pair {
     drive: Drive,
@@ -17,7 +18,7 @@ struct Pair {
     woken: Option<Drive>,
     #[serde(skip)]
     tick: u64,
-    /// The first tick in which they answer differently, and what the woken one answers.
+    /// First tick in which their answers differ, and the second one's answer.
     #[serde(skip)]
     differs: Option<String>,
 }
@@ -56,7 +57,7 @@ impl Replayable for Pair {
     }
 }
 
-/// Ticks of a recording, throughout which both answer alike.
+/// Replays a recording; returns its ticks if both drives answer alike throughout.
 fn replay(bytes: &[u8]) -> Result<u64, String> {
     let recording = Recording::open(bytes).map_err(|error| format!("{error:?}"))?;
     let mut differs = None;

@@ -1,4 +1,5 @@
-//! Levels and bounds of the duty: parameters 84, 87 and 89 with and without a nominal supply (266), 98 and 107 each in its modes.
+//! Tests of levels and bounds of the duty: parameters 84, 87 and 89 with and without a nominal supply (266),
+//! 98 and 107 each in its modes.
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::{Parameters, number};
@@ -6,7 +7,7 @@ use narx_core::motor::machine::event::Limiter;
 use narx_core::motor::{Board, BuildError, Coefficients, Request, State};
 use narx_sim::plant::PlantConfig;
 
-/// Duty at the end of `state`, per cent, less what is added for the dead time (0.5 % at 10 kHz).
+/// Duty at the end of `state`, per cent, less the compensation of the dead time (0.5 % at 10 kHz).
 fn duty_at_the_end_of(state: State, closed: &mut Closed) -> f64 {
     closed.boot();
     closed.ask(Request::Drive);
@@ -22,7 +23,8 @@ fn duty_at_the_end_of(state: State, closed: &mut Closed) -> f64 {
     last
 }
 
-/// Rotor lock at three supplies: without a nominal supply parameter 89 is a duty as Table 11 prints it, with one a share of its volts.
+/// Without a nominal supply parameter 89 is a duty, as in Table 11; with one it is a share of that voltage,
+/// at three supplies.
 #[test]
 fn levels_are_duties_unless_there_is_a_nominal_supply() {
     for supply in [20.0, 24.0, 30.0] {
@@ -79,7 +81,8 @@ fn the_bound_with_halls_is_no_bound_without() {
     assert!((duty - 15.0).abs() < 0.1 && hall.status.limiter == Limiter::Duty, "{duty} %");
 }
 
-/// Parameter 98 bounds every other state: rotor lock and open loop, too, where a level beyond it does not build.
+/// Parameter 98 bounds every other state, also rotor lock and open loop, where a level beyond it does not
+/// build.
 #[test]
 fn the_bound_without_halls_holds_in_lock_and_open_loop() {
     for (level, parameter) in [(number::LOCK_DUTY, "89"), (number::OPEN_LOOP_DUTY, "87")] {
@@ -97,7 +100,7 @@ fn the_bound_without_halls_holds_in_lock_and_open_loop() {
     }
 }
 
-/// A rule between parameters binds only where a mode is enabled that needs it.
+/// A rule between parameters binds only if a mode that needs it is enabled.
 #[test]
 fn rules_bind_where_their_mode_is_enabled() {
     let (open_loop, sensorless, hall) =
@@ -133,7 +136,7 @@ fn rules_bind_where_their_mode_is_enabled() {
     }
 }
 
-/// What the dictionary lets in is what the tick uses: no range ends beyond it.
+/// The tick uses every value that the dictionary accepts: no range ends beyond the tick's.
 #[test]
 fn ranges_and_rules_agree() {
     let with = |number, raw| {
@@ -150,7 +153,8 @@ fn ranges_and_rules_agree() {
     }
 }
 
-/// Limits of the set-point that nobody has set are those of Table 2 at any number of pole pairs: 500 and 4000 rpm with four.
+/// Limits of the set-point that were never written are those of Table 2 at any number of pole pairs: 500 and
+/// 4000 rpm with four.
 #[test]
 fn factory_speed_limits_follow_the_pole_pairs() {
     for (pole_pairs, least, most) in

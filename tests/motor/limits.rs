@@ -1,4 +1,4 @@
-//! Current ratings and their names.
+//! Tests of the current ratings and the names of their limits.
 
 use narx_core::motor::control::limits::{CurrentLimit, LimitCoefficients};
 use narx_core::motor::gain::Gain;
@@ -19,12 +19,12 @@ fn coefficients() -> LimitCoefficients {
     }
 }
 
-/// Bus voltage and current as the limit takes them.
+/// Bus voltage and current in the form in which the limit takes them.
 fn bus(volts_milli: i32, current: i32) -> (i32, i32) {
     (Volts::from_milli(volts_milli).to_bits(), current)
 }
 
-/// A motor that takes whatever the limit gives, for half a second.
+/// Current limit of a motor that has taken all of it for half a second.
 fn settled(volts: i32, celsius_milli: i32) -> CurrentLimit {
     let c = coefficients();
     let mut limit = CurrentLimit::default();
@@ -45,7 +45,8 @@ fn assert_near(found: f64, expected: f64) {
     assert!((found - expected).abs() < 2e-3, "{found} A, expected {expected} A");
 }
 
-/// Table 1: 150 W up to and including 48 V, 300 W above; never more than parameter 106.
+/// The power rating of Table 1 is 150 W up to and including 48 V and 300 W above, and never more than
+/// parameter 106.
 #[test]
 fn power_rating_by_bus_voltage() {
     for (volts, amperes, name) in [
@@ -64,7 +65,8 @@ fn power_rating_by_bus_voltage() {
     }
 }
 
-/// Table 1 rates output power: the loss of 8 A in 0.5 ohm of switches, 32 W, may enter the bridge besides.
+/// The power rating of Table 1 is output power: the loss of 8 A in 0.5 ohm of switches, 32 W, may enter the
+/// bridge in addition.
 #[test]
 fn power_rating_is_what_leaves_the_bridge() {
     let c = LimitCoefficients { bridge: AMPERE / 2, ..coefficients() };
@@ -79,7 +81,8 @@ fn power_rating_is_what_leaves_the_bridge() {
     assert_eq!(by, Limiter::Power);
 }
 
-/// The power rating is one of heat: a pulse of a few milliseconds passes, a lasting excess is taken back within 0.1 s.
+/// The power rating is thermal: a pulse of a few milliseconds passes, and a lasting excess is reduced within
+/// 0.1 s.
 #[test]
 fn power_rating_forgives_a_pulse() {
     let c = coefficients();
@@ -97,7 +100,7 @@ fn power_rating_forgives_a_pulse() {
     assert_eq!(by, Limiter::Power);
 }
 
-/// A bus shunt sees phase current x duty: 12 A in the phase is 12 A x D on the bus.
+/// The bus shunt measures phase current x duty: 12 A in the phase is 12 A x D on the bus.
 #[test]
 fn phase_current_bound() {
     let limit = settled(24_000, 25_000);
@@ -109,7 +112,7 @@ fn phase_current_bound() {
     assert_eq!(bound(&limit, 0.6).1, Limiter::Current);
 }
 
-/// Linear from the warning at 185 C to nothing at 190 C, on the bus and on the phase bound alike.
+/// Derating is linear from the warning at 185 C to nothing at 190 C, on the bus and on the phase bound alike.
 #[test]
 fn temperature_derating() {
     for (celsius, share) in
@@ -124,7 +127,8 @@ fn temperature_derating() {
     }
 }
 
-/// Soft start: parameter 105 until the rotor turns, then up at parameter 96: 60 A/s is 3 A in 50 ms.
+/// The soft start is parameter 105 until the rotor turns, then it rises at parameter 96: 60 A/s is 3 A in 50
+/// ms.
 #[test]
 fn soft_start_and_its_rate() {
     let c = coefficients();
@@ -142,8 +146,9 @@ fn soft_start_and_its_rate() {
     }
 }
 
-/// Table 2: 12 A peak, 6 A rms continuous, in six-step 7.35 A. Peak current is there for 2 s from cold, then the bound
-/// closes on the continuous one; a new start does not cool anything, time does.
+/// The phase current is rated by heat. Table 2 gives 12 A peak, 6 A rms continuous, which in six-step is 7.35
+/// A. The peak current is available for 2 s from cold, then the bound falls to the continuous one. A new
+/// start does not cool the drive, time does.
 #[test]
 fn phase_current_is_rated_by_heat() {
     let c = coefficients();

@@ -1,4 +1,5 @@
-//! What may happen while the motor runs: parameters that change, sensors that are doubted for a moment, faults that are masked.
+//! Tests of events while the motor runs: parameters that change, sensors that are doubted for a moment,
+//! faults that are masked.
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use crate::rotor::ScriptedRotor;
@@ -20,8 +21,8 @@ fn running(supply: f64) -> Closed {
     closed
 }
 
-/// A fault that the mask calls harmless while nothing drives, and that cannot be masked while driving: the start meets it before
-/// any leg is driven.
+/// A fault that is masked at rest, but cannot be masked while driving, stops a start before any leg is
+/// driven.
 #[test]
 fn a_forced_fault_stops_a_start_before_it_begins() {
     let changes = [(number::HALL_ENABLE, 1), (number::CRITICAL_FAULT_MASK, 0)];
@@ -40,7 +41,8 @@ fn a_forced_fault_stops_a_start_before_it_begins() {
     }
 }
 
-/// A lower speed limit, written live, slows the motor down; it does not call the speed that was right before an overspeed.
+/// A lower speed limit, written live, slows the motor down; a speed that was allowed before does not become
+/// an overspeed.
 #[test]
 fn a_lower_speed_limit_is_no_overspeed() {
     let mut closed = running(24.0);
@@ -49,10 +51,10 @@ fn a_lower_speed_limit_is_no_overspeed() {
     assert!((closed.rpm() - 1_000.0).abs() < 20.0, "{} rpm", closed.rpm());
 }
 
-/// The reason why nothing drives a motor that is too fast has a name for as long as it lasts.
+/// While a motor that is too fast coasts, the report names the limit for as long as that lasts.
 #[test]
 fn coasting_down_has_a_name() {
-    // Hardly any friction: the shaft would keep its speed for long.
+    // Very little friction: the shaft keeps its speed for long.
     let mut config = PlantConfig::new(MotorConfig { static_friction: 2e-4, ..MOTOR }, 24.0);
     config.angle_deg = 40.0;
     let mut closed = Closed::new(&config, &[]);
@@ -68,9 +70,10 @@ fn coasting_down_has_a_name() {
     assert!(named > 1_000, "{named} of 5000 ticks");
 }
 
-/// Sensors that lie for a few milliseconds: when they are believed again the motor goes on and reaches its speed. What flows then
-/// is bounded, and in most cases nothing flows back into the bus; in the rest the lie itself had braked the rotor before it was doubted.
-/// Where in a step the lie begins decides how much flows, so it begins at several places.
+/// After sensors were wrong for a few milliseconds the motor goes on and reaches its speed. The current is
+/// bounded, and in most cases none flows back into the bus; in the others the wrong code had braked the rotor
+/// before it was doubted. The current depends on the position in a step at which the wrong code begins, so it
+/// begins at several.
 #[test]
 fn a_doubt_that_passes_is_no_surge() {
     let (mut peaks, mut fed, mut doubts) = (Vec::new(), 0, 0);
@@ -99,12 +102,13 @@ fn a_doubt_that_passes_is_no_surge() {
     println!("{doubts} of 108 doubted; afterwards {median:.1} A, at most {peak:.1} A, {fed} fed the bus");
     assert!(doubts >= 36, "{doubts}");
     assert!(median <= 3.0, "{median:.1} A");
-    // What the phase current limit allows (Table 2).
+    // The limit of the phase current (Table 2).
     assert!(peak <= 12.0, "{peak:.1} A");
     assert!(fed <= 30, "{fed}");
 }
 
-/// Parameter 87 is the level of open loop also where rotor lock has a higher one, and a set-point of 0 written live stops the field.
+/// Parameter 87 is the level of open loop even if rotor lock has a higher one, and a set-point of 0 written
+/// live stops the field.
 #[test]
 fn open_loop_takes_its_own_level_and_stops_at_0() {
     let build = |rpm| {
@@ -136,7 +140,7 @@ fn open_loop_takes_its_own_level_and_stops_at_0() {
     assert!(field.stopped());
 }
 
-/// The other direction asked for during a hall calibration ends it at once, whatever open loop did before.
+/// A request for the other direction ends a hall calibration at once, whatever open loop did before.
 #[test]
 fn a_reversal_ends_a_calibration() {
     let changes = [(number::OPEN_LOOP_ENABLE, 1), (number::LOCK_DURATION, 100)];
@@ -159,7 +163,7 @@ fn a_reversal_ends_a_calibration() {
     assert_eq!(script.status.hall_calibration, HallCalibration::Failed);
 }
 
-/// Short pulses on the hall lines, twenty a second: the rotor hardly slows down.
+/// Short pulses on the hall lines, twenty per second, hardly slow the rotor down.
 #[test]
 fn glitches_hardly_disturb_the_speed() {
     let mut closed = running(24.0);

@@ -1,4 +1,5 @@
-//! When the machine may be left alone: ticks in which it rests, until it is due, and requests that it knows. Every reachable state is asked.
+//! Tests of the ticks in which the state machine need not run: those in which it rests, those until it is
+//! due, and requests that it already knows. They cover every reachable state.
 
 use super::machine_search::{Memory, as_of, coefficients, inputs, machine, memory, reached, start};
 use narx_core::motor::State;
@@ -8,14 +9,14 @@ use narx_core::motor::machine::{Machine, Refusal};
 use narx_core::units::ElectricalSpeed;
 use std::collections::HashSet;
 
-/// What the machine knows at `now` but for how long it rests.
+/// Memory of the machine as of `now`, except the time for which it rests.
 fn known(now: Instant, mut machine: Machine) -> Memory {
     machine.wake(now);
     as_of(now, memory(&machine))
 }
 
-/// No row of the table holds in a tick in which the machine rests; and it rests in every state. The drive wakes a machine whose health has changed, or whose
-/// calibration has a result.
+/// In a tick in which the machine rests no row of the table holds, and it can rest in every state. The drive
+/// wakes a machine whose health has changed, or whose calibration has a result.
 #[test]
 fn a_machine_that_rests_has_no_row_that_holds() {
     let c = coefficients(7);
@@ -30,15 +31,16 @@ fn a_machine_that_rests_has_no_row_that_holds() {
             states.insert(before.state);
             let mut looked = rested;
             assert!(looked.advance(&c, now, &inputs).is_none(), "{before:?} {inputs:?}");
-            // Nothing else is found out than for how long it rests.
+            // Nothing changes but the time for which it rests.
             assert_eq!(known(now, looked), known(now, rested), "{inputs:?}");
         }
     }
     assert_eq!(states, HashSet::from(State::ALL));
 }
 
-/// A machine that is asked only when it is due, or when the drive has to (a critical fault, a rotor that stands, a calibration that has its result), changes as one that looks at its table
-/// in every tick: to the same state, by the same row, in the same tick.
+/// A machine that runs only when it is due, or when the drive must run it (a critical fault, a rotor that
+/// stands, a calibration with a result), changes as one that checks its table in every tick: to the same
+/// state, by the same row, in the same tick.
 #[test]
 fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
     let c = coefficients(7);
@@ -75,7 +77,8 @@ fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
     assert!(asked < ticks, "it is asked in every tick");
 }
 
-/// A request that the machine knows is a set-point. In every state it knows one, and it knows no Standby while it drives.
+/// A request that the machine already knows acts as a set-point. In every state there is such a request, and
+/// while driving it is never Standby.
 #[test]
 fn a_request_that_it_knows_only_feeds_the_time_out() {
     let mut states = HashSet::new();
@@ -88,7 +91,7 @@ fn a_request_that_it_knows_only_feeds_the_time_out() {
                 assert!(!(before.state.is_driving() && request == Request::Standby), "{before:?}");
                 told.handle_command(start(), command);
                 reminded.handle_set_point(start(), command.speed);
-                // Nothing else is another than when it is due: a deadline may be early.
+                // Only the time at which it is due differs: a deadline may be early.
                 assert_eq!(known(start(), told), known(start(), reminded), "{before:?}");
             }
         }
@@ -96,7 +99,7 @@ fn a_request_that_it_knows_only_feeds_the_time_out() {
     assert_eq!(states, HashSet::from(State::ALL));
 }
 
-/// Only what is driven can be reversed, and only by somebody who still wants it to run.
+/// Only a driven motor can be reversed, and only while it is requested to run.
 #[test]
 fn nothing_is_reversed_that_is_not_driven() {
     let mut seen = HashSet::new();
@@ -116,7 +119,7 @@ fn nothing_is_reversed_that_is_not_driven() {
     assert_eq!(seen, HashSet::from(all));
 }
 
-/// A start that was refused is spent: no tick takes it for one that is to come.
+/// A start that was refused is over: no later tick expects it.
 #[test]
 fn a_refused_start_is_no_start() {
     let mut refused = 0;

@@ -1,8 +1,9 @@
-//! The stateful machine around the table, explored breadth first to a fixpoint.
+//! Tests of the state machine around the table, explored breadth first to a fixpoint.
 //!
-//! A node is the machine's whole memory (by its serialised form) as it is at the clock's beginning, with its three times cut off above every threshold
-//! that they are compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
-//! test alone. From each node every event and every tick (512 combinations of inputs and enables) is tried.
+//! A node has the machine's whole memory (in its serialised form) as at the clock's beginning. Its three
+//! times are cut off above every threshold with which they are compared, which loses nothing. It also has a
+//! few ghosts: history that the specification refers to, kept by the test alone. From each node every event
+//! and every tick (512 combinations of inputs and enables) is tried.
 
 use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::MachineCoefficients;
@@ -33,13 +34,14 @@ pub(crate) struct Memory {
     pub(crate) refusal: Refusal,
 }
 
-/// Each lasts for a tick at least in which nothing else ends, and for one in which the machine rests.
+/// Durations in ticks. Each is long enough for a tick in which nothing else ends, and for one in which the
+/// machine rests.
 pub(crate) const BOOT: u32 = 3;
 const LOCK: u32 = 3;
 const RAMP: u32 = 3;
 const WAIT: u32 = 2;
 const TIMEOUT: u32 = 4;
-/// Above every threshold.
+/// Age above every threshold.
 const AGE_MAX: u32 = 5;
 
 pub(crate) fn coefficients(enables: u8) -> MachineCoefficients {
@@ -57,7 +59,7 @@ pub(crate) fn coefficients(enables: u8) -> MachineCoefficients {
     }
 }
 
-/// The present instant of every node: its next tick is the one after.
+/// Present instant of every node: its next tick is the one after.
 pub(crate) fn start() -> Instant {
     Instant::default()
 }
@@ -74,10 +76,11 @@ pub(crate) fn machine(memory: &Memory) -> Machine {
     postcard::from_bytes(&bytes(memory)).unwrap()
 }
 
-/// What the specification remembers.
+/// History to which the specification refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Ghost {
-    /// A Drive request would be a fresh edge: Standby was requested since the last stop (or the direction was changed).
+    /// A Drive request would be a fresh edge: Standby was requested since the last stop (or the direction was
+    /// changed).
     fresh: bool,
     /// Standby was requested since the fault.
     standby_since_fault: bool,
@@ -115,7 +118,7 @@ fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
     (bytes(memory), ghost)
 }
 
-/// The same memory with its ages as of `now`.
+/// Memory with its ages as of `now`.
 pub(crate) fn as_of(now: Instant, mut memory: Memory) -> Memory {
     let passed = now.since(memory.at);
     memory.age = memory.age.saturating_add(passed);
@@ -124,13 +127,13 @@ pub(crate) fn as_of(now: Instant, mut memory: Memory) -> Memory {
     memory
 }
 
-/// The memory at `now`, moved to the clock's beginning: only distances of instants count.
+/// Memory at `now`, moved to the clock's beginning: only distances between instants count.
 fn bounded(now: Instant, memory: Memory) -> Memory {
     let mut memory = as_of(now, memory);
     memory.age = memory.age.min(AGE_MAX);
     memory.command_age = memory.command_age.min(AGE_MAX);
     memory.at = start();
-    // What is due in the next tick stays so, and nothing that lasts is farther away than the longest time.
+    // An event that is due in the next tick stays due, and no duration is longer than the longest time.
     let left = if memory.due.is_due(now.next()) { 0 } else { memory.due.since(now) };
     memory.due = start().after(if left > AGE_MAX { u32::MAX } else { left });
     memory
@@ -144,14 +147,14 @@ pub(crate) fn wanted(request: Request) -> Option<Direction> {
     }
 }
 
-/// Everything reached, with the number of edges tried.
+/// All reached nodes, with the number of edges tried.
 struct Explored {
     nodes: Vec<(Memory, Ghost)>,
     edges: u64,
     pairs: HashSet<(State, State, &'static str)>,
 }
 
-/// Explores from power-up; `check` sees every tick.
+/// Explores from power-up; `check` gets every tick.
 fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Change>)) -> Explored {
     let first = (
         bounded(start(), memory(&Machine::default())),
@@ -199,7 +202,7 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
     explored
 }
 
-/// Every memory that the machine can have.
+/// Every memory that the machine can reach.
 pub(crate) fn reached() -> &'static [Memory] {
     static REACHED: LazyLock<Vec<Memory>> = LazyLock::new(|| {
         explore(|_, _, _, _, _, _| {}).nodes.into_iter().map(|(memory, _)| memory).collect()
@@ -207,7 +210,7 @@ pub(crate) fn reached() -> &'static [Memory] {
     &REACHED
 }
 
-/// Decision 5, and: Drive asked for during Initialization spends the edge that power-up counts as.
+/// Applies decision 5: a Drive request during Initialization uses up the edge that power-up counts as.
 fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
     match request {
         Request::Standby => {
@@ -220,7 +223,7 @@ fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
     ghost
 }
 
-/// Decision 5 again: an edge that met a refusal (no mode, parameters that do not fit) is spent by it.
+/// Applies decision 5: an edge that meets a refusal (no mode, parameters that do not fit) is used up by it.
 fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut ghost: Ghost) -> Ghost {
     let (from, to) = (before.state, after.state);
     let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
@@ -239,7 +242,7 @@ fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut 
     if from != State::Fault {
         ghost.standby_since_fault = false;
     }
-    // Acknowledged with Drive requested again meanwhile: Standby has to be seen once more.
+    // Acknowledged while Drive is requested again: Standby must be requested once more.
     if from == State::Fault && to == State::Standby {
         ghost.fresh = before.command.request == Request::Standby;
     }
@@ -270,7 +273,7 @@ fn invariants_hold_in_every_reachable_state() {
     assert_eq!(states, HashSet::from(State::ALL));
 }
 
-/// Critical fault, Standby request and time-out, in this order and in the same tick.
+/// Checks critical fault, Standby request and time-out, in this order and in the same tick.
 fn check_stops(
     before: &Memory,
     inputs: &Inputs,
@@ -294,7 +297,7 @@ fn check_stops(
     } else {
         assert!(!change.is_some_and(|change| change.timed_out), "no time-out: {}", context());
     }
-    // Whatever is asked for, and however the rotor turns: half a second, and no longer.
+    // With any request and any rotation it takes half a second, and no longer.
     if before.state == State::Initialization {
         let expected = match inputs.unhealthy {
             true => State::Fault,
@@ -305,7 +308,8 @@ fn check_stops(
     }
 }
 
-/// Leaving Standby: fresh edge, live command, parameters that fit, Table 6, and the enables sampled.
+/// Checks that Standby is left only with a fresh edge, a live command, parameters that fit, by Table 6, and
+/// with the enables as sampled.
 fn check_start(
     before: &Memory,
     ghost: Ghost,
@@ -343,7 +347,7 @@ fn check_start(
         assert!(!after.state.is_driving(), "only Standby leads to a driving state: {}", context());
     }
     if before.state.is_driving() {
-        // What was sampled decides, not what is set now.
+        // The sampled enables decide, not the present ones.
         let mut other = machine(before);
         if inputs.unhealthy {
             other.wake(start());
@@ -353,7 +357,8 @@ fn check_start(
     }
 }
 
-/// T61: wait elapsed, causes gone, Standby requested since, nothing critical now; and nothing else leaves Fault.
+/// Checks T61: the wait has elapsed, the causes are gone, Standby was requested since, nothing is critical
+/// now; and nothing else leaves Fault.
 fn check_fault(
     before: &Memory,
     ghost: Ghost,
@@ -371,7 +376,7 @@ fn check_fault(
     assert_eq!(change.is_some(), cured, "{}", context());
 }
 
-/// A direction changes in Standby only, and a reversal spends exactly one tick there.
+/// Checks that a direction changes in Standby only, and that a reversal spends exactly one tick there.
 fn check_reversal(
     before: &Memory,
     ghost: Ghost,
@@ -389,7 +394,7 @@ fn check_reversal(
         let rests = inputs.stopped || before.state == State::RotorLock;
         let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;
         let leaves = rests || (before.state == State::OpenLoop && calibrated);
-        // T74: a motor that was caught is closed loop's to slow down.
+        // T74: closed loop slows down a motor that was caught.
         let caught =
             before.state == State::SensorlessAutoRestart && before.age + 1 >= RAMP && !inputs.stopped;
         let expected = match before.state {

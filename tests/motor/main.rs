@@ -1,4 +1,4 @@
-//! Evidence for the control core, through its public surfaces.
+//! Tests of the control core through its public surfaces.
 
 mod acknowledgement;
 mod arithmetic;

@@ -1,5 +1,5 @@
-//! tests/must-have.md: every item of good six-step control names where it is and the test that fails without it. Both must exist. Below
-//! stand the tests of items that no other file shows.
+//! Tests of tests/must-have.md: every item of good six-step control names its code, and the test that fails
+//! without it. Both must exist. This file has the tests of items that no other file covers.
 
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// The rows: item, where, test, seen to fail.
+/// Rows of the table: item, code, test, seen to fail.
 fn rows(table: &str) -> impl Iterator<Item = Vec<&str>> {
     let cells = |line: &str| line.starts_with("| ") && !line.starts_with("| item");
     table.lines().filter(move |line| cells(line)).map(|line| {
@@ -74,7 +74,7 @@ fn share(command: &PwmCommand) -> f64 {
     f64::from(command.duty.to_bits()) / 32_768.0
 }
 
-/// Steady in state 4.
+/// A drive at constant speed in state 4.
 fn running(rpm: f64) -> Closed {
     let mut closed = Closed::sensorless(&config(), &[]);
     closed.set_point = rpm;
@@ -85,7 +85,8 @@ fn running(rpm: f64) -> Closed {
     closed
 }
 
-/// Between the two duties at which the sampling instant changes, it stays what it was: late on the way up, in the pulse on the way down.
+/// Between the two duties at which the sampling instant changes, it keeps its earlier mode: late in the
+/// period on the way up, in the pulse on the way down.
 #[test]
 fn sampling_mode_has_hysteresis() {
     let mut closed = Closed::new(&config(), &[]);
@@ -107,8 +108,8 @@ fn sampling_mode_has_hysteresis() {
     assert!(!seen.contains(&(2500, true)), "{seen:?}");
 }
 
-/// A winding that still demagnetises holds its terminal at the bus, far beyond the crossing. For half a step that is no evidence; the
-/// crossing after it is healthy.
+/// A winding that still demagnetises holds its terminal at the bus, far beyond the crossing. For half a step
+/// this does not count as an observation; the crossing after it is healthy.
 #[test]
 fn demagnetisation_is_no_evidence() {
     // Codes are millivolts.
@@ -119,7 +120,7 @@ fn demagnetisation_is_no_evidence() {
     let mut station = Station::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {
-        // AC floats B, whose crossing rises: at tick 12.
+        // Step AC floats B, whose crossing rises: at tick 12.
         let step = if tick == 0 { Step::AB } else { Step::AC };
         let floating = if tick < 8 { 24.0 } else { 12.0 + 0.6 * (f64::from(tick) - 12.0) };
         let phase_voltage = [24.0, floating, 0.0].map(|volts| (volts * 1e3) as u16);
@@ -133,12 +134,13 @@ fn demagnetisation_is_no_evidence() {
     assert!((crossings[0] - 12.0).abs() < 0.1, "{crossings:?}");
 }
 
-/// The floating phase falls silent for good: the budget of blind steps ends the episode long before the crossing time-out, and with blind
-/// steps switched off by a level that always says "before", the time-out does.
+/// After the floating phase has fallen silent the limit of blind steps ends the episode long before the
+/// crossing time-out. If a level that always shows "before" prevents blind steps, the time-out ends it.
 #[test]
 fn a_rotor_that_is_no_longer_seen_is_lost() {
     let run = running(2000.0);
-    // A sector at 2000 rpm and 4 pole pairs: 12.5 ticks. The level that says "before" holds for two and a half of them before the steps go on.
+    // A sector at 2000 rpm and 4 pole pairs has 12.5 ticks. The level "before" holds for 2.5 of them before
+    // the steps go on.
     for silent in [true, false] {
         let mut closed = run.clone();
         let left = (1..2_000).find(|_| {
@@ -158,8 +160,8 @@ fn a_rotor_that_is_no_longer_seen_is_lost() {
     }
 }
 
-/// Two locks one after the other, their level ramped. From anywhere, the dead point of either included, the rotor ends where the second
-/// pulls to.
+/// Two locks one after the other, with ramped levels, align the rotor from any angle, including the dead
+/// point of either, at the angle to which the second pulls.
 #[test]
 fn two_ramped_locks_align_from_anywhere() {
     for degrees in (0..360).step_by(15) {
@@ -187,11 +189,12 @@ fn two_ramped_locks_align_from_anywhere() {
     }
 }
 
-/// The level that finds the rotor rises along a ramp of 0.2 s, whatever parameter 109 is: half of it comes no earlier than at half of that.
+/// The level that finds the rotor rises along a ramp of 0.2 s, whatever parameter 109 is: half of it is
+/// reached no earlier than at half of that time.
 #[test]
 fn the_kick_is_a_ramp() {
     let mut config = config();
-    // Held by friction, so that nothing but the level is seen.
+    // Friction holds the rotor, so that only the level matters.
     config.load.constant = 1.0;
     for ramp in [20, 300] {
         kick_rises(Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, ramp)]));
@@ -223,7 +226,8 @@ fn hand_over_ramps_from_the_measured_speed() {
     assert_eq!(control.setpoint(), 33 << 16);
 }
 
-/// A rotor that is not up when open loop ends (T34) has the time-out to show a crossing: speed 0 is not judged at once.
+/// A rotor that does not turn yet when open loop ends (T34) has the time-out to show a crossing: speed 0 is
+/// not judged at once.
 #[test]
 fn a_rotor_that_is_not_up_at_hand_over_is_no_stall() {
     let mut late = 0;
@@ -268,7 +272,7 @@ fn the_set_point_is_ramped() {
     assert!((moved - 13.33).abs() < 0.5, "{moved} rev/s in 100 ms");
 }
 
-/// Set-points beyond parameters 101 and 102 are those, 0 included.
+/// Set-points beyond parameters 101 and 102 are limited to these, 0 included.
 #[test]
 fn set_points_saturate() {
     let limits = [(number::SPEED_MAX_SL, 1_500), (number::SPEED_MIN_SL, 800)];
@@ -287,7 +291,7 @@ fn set_points_saturate() {
     }
 }
 
-/// A reversal waits for standstill: Standby is passed at rest, both times.
+/// A reversal waits for standstill: the drive passes Standby at rest, both times.
 #[test]
 fn a_reversal_passes_standby_at_rest() {
     let mut closed = running(2000.0);
@@ -303,7 +307,7 @@ fn a_reversal_passes_standby_at_rest() {
     }
 }
 
-/// No duty above parameter 98, however much speed is asked for.
+/// The duty never exceeds parameter 98, however high the requested speed.
 #[test]
 fn duty_has_a_maximum() {
     let mut closed = Closed::sensorless(&config(), &[(number::DUTY_MAX_SL, 4_000)]);
@@ -317,7 +321,8 @@ fn duty_has_a_maximum() {
     assert!((0.39..=0.4001).contains(&most), "{most}");
 }
 
-/// A pulse shorter than parameter 272 is that long, or is not given at all: at 60 V this motor needs 4 %, and 6 % are the least.
+/// A pulse is at least as long as parameter 272, or it is left out: at 60 V this motor needs 4 %, and the
+/// least is 6 %.
 #[test]
 fn a_pulse_has_a_least_length() {
     let config = PlantConfig { angle_deg: 77.0, ..PlantConfig::new(MOTOR, 60.0) };
@@ -332,12 +337,12 @@ fn a_pulse_has_a_least_length() {
             (0.001..0.0595).contains(&share(&closed.output))
         })
         .count();
-    // What the slew limit passes through on its way.
+    // The slew limit passes through shorter ones on its way.
     assert!(shorter < 1_000, "{shorter} of 5000 ticks");
 }
 
-/// What dead time takes off the pulse is added: the lock's level is its share of the nominal supply, on the bus as it is, and 0.5 % for
-/// 500 ns.
+/// The voltage that dead time takes from the pulse is added: the lock's level is its share of the nominal
+/// supply, on the present bus voltage, plus 0.5 % for 500 ns.
 #[test]
 fn dead_time_is_given_back() {
     let mut closed = Closed::sensorless(&config(), &[(number::LOCK_DUTY, 800)]);
@@ -360,7 +365,7 @@ fn input_current_is_rated() {
     assert_eq!(built.control.limits.maximum, 7 << 16);
 }
 
-/// Misaligned sensors, and the offset that says so: commutation is where it belongs.
+/// With misaligned sensors and the offset set accordingly, commutation is at its right angle.
 #[test]
 fn a_hall_offset_is_taken_off() {
     for offset in [-20.0, 20.0] {
@@ -377,7 +382,7 @@ fn a_hall_offset_is_taken_off() {
     }
 }
 
-/// The why-channel's margin: a crossing 2 ticks behind its prediction at 20 ticks a sector is 6 degrees late.
+/// A crossing reports its margin: 2 ticks behind its prediction at 20 ticks per sector it is 6 degrees late.
 #[test]
 fn a_crossing_tells_its_margin() {
     let mut rotor = ZeroCrossing::default();

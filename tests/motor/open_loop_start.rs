@@ -1,11 +1,12 @@
-//! The open-loop phase of a start without sensors: its set-point rises to parameter 88 within parameter 109, and there it hands over.
+//! Tests of the open-loop phase of a start without sensors: its set-point rises to parameter 88 within
+//! parameter 109, and at that speed it hands over.
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::{Board, BuildError, Coefficients, Request, State};
 use narx_sim::plant::PlantConfig;
 
-/// Mechanical speeds of a start's open loop, rpm, tick by tick.
+/// Mechanical speeds of the open loop of a start, rpm, tick by tick.
 fn open_loop(mut closed: Closed) -> Vec<f64> {
     closed.boot();
     closed.ask(Request::Drive);
@@ -20,8 +21,8 @@ fn open_loop(mut closed: Closed) -> Vec<f64> {
     speeds
 }
 
-/// The mean of the last 50 ms is parameter 88, however steep the ramp; and a rotor that is asked for more than the first crossings need
-/// leaps no further than that.
+/// The mean of the last 50 ms is parameter 88, however steep the ramp. The speed never rises beyond parameter
+/// 88, or beyond the speed that the first crossings need, whichever is higher.
 #[test]
 fn open_loop_holds_its_speed_and_hands_over_there() {
     for rpm in [150, 300, 500, 1000, 2000] {
@@ -42,7 +43,7 @@ fn open_loop_holds_its_speed_and_hands_over_there() {
     }
 }
 
-/// A ramp of a second is at half of parameter 88 after half of it; the speed loop follows 0.1 s behind at most.
+/// A ramp of one second is at half of parameter 88 after half of it; the speed loop lags by 0.1 s at most.
 #[test]
 fn open_loop_rises_along_its_ramp() {
     let changes =
@@ -54,8 +55,8 @@ fn open_loop_rises_along_its_ramp() {
     }
 }
 
-/// Open loop may hand over at no speed whose sectors outlast half of parameter 85, and at none beyond parameter 101; both are named with the
-/// range that is left.
+/// Open loop may not hand over at a speed whose sectors last longer than half of parameter 85, nor at one
+/// beyond parameter 101; both are refused with the range that is left.
 #[test]
 fn a_speed_that_open_loop_cannot_hand_over_at_is_refused() {
     let build = |rpm, sensorless| {
@@ -64,7 +65,7 @@ fn a_speed_that_open_loop_cannot_hand_over_at_is_refused() {
         parameters.set(number::OPEN_LOOP_SPEED, rpm).unwrap();
         Coefficients::build(&parameters, &Board::BENCH).err()
     };
-    // 500 ticks of 4 pole pairs: 500 ticks a sector are 50 rpm.
+    // 500 ticks of 4 pole pairs: 500 ticks per sector are 50 rpm.
     let refused = |raw| Some(BuildError { parameter: number::OPEN_LOOP_SPEED, raw, min: 100, max: 4000 });
     for (rpm, found) in [(99, refused(99)), (100, None), (4000, None), (4001, refused(4001))] {
         assert_eq!(build(rpm, 1), found, "{rpm} rpm");

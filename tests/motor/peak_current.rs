@@ -1,4 +1,4 @@
-//! Phase current while a heavy rotor accelerates as fast as the limits let it.
+//! Tests of the phase current while a heavy rotor accelerates as fast as the limits allow.
 
 use crate::commanded::commanded_tick;
 use narx_core::master::{Config, Master};
@@ -9,11 +9,11 @@ use narx_sim::plant::{MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use xtask::bench::map;
 
-/// 12 A (Table 1) and 5 %, of a motor as its data sheet has it.
+/// Largest peak, A: 12 A (Table 1) and 5 %, for a motor as in its data sheet.
 const PEAK: f64 = 12.6;
-/// 12 A and 8 %, with weak magnets and a cold winding.
+/// Largest peak with weak magnets and a cold winding, A: 12 A and 8 %.
 const PEAK_OFF_THE_SHEET: f64 = 12.96;
-/// Ticks of a run at most: boot, and four seconds.
+/// Longest run, ticks: boot, and four seconds.
 const LONGEST: u32 = 46_000;
 
 /// A start of a rotor that rests at `angle_deg`.
@@ -27,7 +27,8 @@ struct Start {
 }
 
 impl Start {
-    /// Largest magnitude of a phase current on the way to full speed, A. The rotor has five times the inertia, so that the limit binds.
+    /// Largest magnitude of a phase current on the way to full speed, A. The rotor has five times its
+    /// inertia, so that the limit acts.
     fn peak(self) -> f64 {
         let Self { preset, supply, mode, angle_deg, off_the_sheet } = self;
         let sheet = preset.motor;
@@ -74,8 +75,9 @@ impl Start {
     }
 }
 
-/// Commutation takes half of the current and the step makes up for it: what is limited is the mean, and the crest lies a third above it. Where a start
-/// begins decides where its commutations fall in the tick, so the preset with the highest crest starts from everywhere.
+/// The crest of a step stays within the rating. Commutation takes half of the current and the step makes up
+/// for it: the limit is on the mean, and the crest is a third above it. The angle at the start determines the
+/// phase of the commutations in the tick, so the preset with the highest crest starts from many angles.
 #[test]
 fn crest_of_a_step_stays_within_the_rating() {
     let mut starts = Vec::new();
@@ -109,6 +111,6 @@ fn crest_of_a_step_stays_within_the_rating() {
     }
     println!("phase current up to {:.2} A as on the data sheet, {:.2} A off it", highest[0], highest[1]);
     assert_eq!(beyond, Vec::<String>::new());
-    // The limit was reached, or this has shown nothing.
+    // Without reaching the limit this would show nothing.
     assert!(highest[0] > 11.0, "{:.2} A", highest[0]);
 }

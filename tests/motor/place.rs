@@ -1,4 +1,4 @@
-//! Where the rotor is and how fast it turns, in every mode: mechanical position, electrical angle, speed.
+//! Tests of position and speed of the rotor in every mode: mechanical position, electrical angle, speed.
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
@@ -22,14 +22,15 @@ fn electrical_turns(closed: &Closed) -> f64 {
     closed.plant.observe().electrical_turns
 }
 
-/// Sectors counted over some thousand ticks, and those that the rotor has turned.
+/// Number of sectors counted over these ticks, and number that the rotor has turned.
 fn counted(closed: &mut Closed, ticks: u64) -> (f64, f64) {
     let (sectors, turns) = (closed.status.sectors, electrical_turns(closed));
     closed.run(ticks);
     (f64::from(closed.status.sectors - sectors), 6.0 * (electrical_turns(closed) - turns))
 }
 
-/// Sensorless and in open loop, both ways: the commutation counts what the rotor turns, within the sector and the millisecond of a report.
+/// Sensorless and in open loop, in both directions, the commutation counts the rotor's sectors, within a
+/// sector and the millisecond of a report.
 #[test]
 fn the_position_is_counted_without_sensors() {
     for request in [Request::Drive, Request::Reverse] {
@@ -45,7 +46,7 @@ fn the_position_is_counted_without_sensors() {
     }
 }
 
-/// Whoever counts, the sector that is counted is the rotor's: a restart loses whole revolutions at most.
+/// The counted sector is the rotor's with any source of the count: a restart loses whole revolutions at most.
 #[test]
 fn a_restart_keeps_the_electrical_place() {
     let mut closed = without_halls(&[]);
@@ -62,8 +63,8 @@ fn a_restart_keeps_the_electrical_place() {
     assert!(apart.min(6.0 - apart) < 2.0, "{before}, then {}", offset(&closed));
 }
 
-/// A rotor that coasts is not seen, and is not taken for one that stands, until its terminals have been quiet; with hall sensors it is seen all the
-/// time.
+/// A coasting rotor counts as unseen, not as standing, until its terminals have been quiet; with hall sensors
+/// it is always seen.
 #[test]
 fn a_coasting_rotor_is_unseen_until_it_stands() {
     for changes in [&[][..], &OPEN_LOOP[..]] {
@@ -95,7 +96,7 @@ fn a_coasting_rotor_is_unseen_until_it_stands() {
     assert!(closed.status.standstill, "{:?}", closed.status);
 }
 
-/// A start that is ended, at any moment of it: the rotor is known to stand a little later.
+/// After a start that was ended at any moment the rotor is reported to stand a little later.
 #[test]
 fn a_rotor_whose_start_was_ended_is_seen_to_stand() {
     for ticks in (100..12_000).step_by(700) {
@@ -110,8 +111,8 @@ fn a_rotor_whose_start_was_ended_is_seen_to_stand() {
     }
 }
 
-/// In open loop the angle is the field's, whatever the hall sensors show: the step that is applied belongs to its sector. In rotor lock it is the
-/// lock's. Status and scope agree.
+/// In open loop the angle is the field's, whatever the hall sensors show: the applied step belongs to its
+/// sector. In rotor lock the angle is the lock's. Status and scope agree.
 #[test]
 fn the_angle_is_the_one_that_commutates() {
     let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &OPEN_LOOP);
@@ -158,14 +159,14 @@ fn the_angle_is_the_one_that_commutates() {
     assert!(seen > locks.iter().sum::<u32>() - 30, "{seen} of {locks:?} in the reports");
 }
 
-/// In open loop speed and set-point are the field's; the speed without sensors tells both directions.
+/// In open loop speed and set-point are the field's; the speed without sensors has a sign for the direction.
 #[test]
 fn open_loop_has_a_speed() {
     for (request, sign) in [(Request::Drive, 1.0), (Request::Reverse, -1.0)] {
         let mut closed = without_halls(&OPEN_LOOP);
         closed.ask(request);
         closed.run(20_000);
-        // 300 rpm of 4 pole pairs: 20 electrical revolutions a second.
+        // 300 rpm of 4 pole pairs: 20 electrical revolutions per second.
         for speed in [closed.status.speed_sensorless, closed.status.setpoint] {
             let rev_s = f64::from(speed.to_bits()) / 65_536.0;
             assert!((rev_s - 20.0 * sign).abs() < 0.01, "{rev_s}");
@@ -173,7 +174,8 @@ fn open_loop_has_a_speed() {
     }
 }
 
-/// The scope's mechanical position: one sector of 24 a revolution, 4096 a turn, the same place after a whole one, and none below zero.
+/// The scope's mechanical position has 24 sectors per revolution and 4096 units per turn, is equal after a
+/// whole turn, and never negative.
 #[test]
 fn the_scope_tells_the_place_within_a_revolution() {
     let scale = ShaftScale::new(4);

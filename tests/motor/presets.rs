@@ -1,4 +1,4 @@
-//! Every motor that comes with narx runs as commissioned, at any supply, with and without load.
+//! Tests that every motor that comes with narx runs as commissioned, at any supply, with and without load.
 
 use crate::commanded::commanded_tick;
 use narx_core::bus::narmotion::MotorMode;
@@ -11,11 +11,12 @@ use narx_sim::presets::{PRESETS, Preset};
 
 const RPM: f64 = 60.0 / std::f64::consts::TAU;
 
-/// What a run from the Drive request came to.
+/// Result of a run from the Drive request.
 struct Reached {
     state: State,
-    /// Mean over the last half second, near the lowest speed over the last two: there a revolution takes 0.2 s, and the mean of half a
-    /// second varies by 0.7 % (RMS) with the seed.
+    /// Mean speed over the last half second, share of the set-point; near the lowest speed over the last two
+    /// seconds: there a revolution takes 0.2 s, and the mean of half a second varies by 0.7 % (RMS) with the
+    /// seed.
     speed: f64,
     peak_current: f64,
     bus_highest: f64,
@@ -32,7 +33,7 @@ fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64)
     let range = commissioning.speed_max - commissioning.speed_min;
     let rpm = (commissioning.speed_min + share_of_range * range).ceil() as i32;
     let carried = commissioning.phase_current * preset.motor.torque_constant;
-    // Without a printed torque: what the rated current gives beside friction.
+    // Without a published torque: the torque of the rated current, less friction.
     let by_current = 0.9 * preset.motor.torque_constant * preset.data.rated_current.unwrap_or(6.0);
     // The drive gives 150 W (Table 2): 0.7 of 190 W.
     let by_power = 190.0 / (f64::from(rpm) / RPM);
@@ -67,11 +68,12 @@ fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64)
     Reached { state: bench.status().state, speed: mean / f64::from(rpm), peak_current, bus_highest }
 }
 
-/// Speed, as a share of the range, and torque, as a share of the rated one.
+/// Operating points: speed as a share of the range, and torque as a share of the rated one.
 const POINTS: [(f64, f64); 6] = [(0.0, 0.0), (0.1, 0.7), (0.5, 0.0), (0.5, 0.7), (0.85, 0.0), (0.85, 0.5)];
 
-/// Set-point within 0.5 %, unloaded at the lowest speed within 1 % (there the mean of two seconds
-/// varies by up to 0.66 % with the seed), at most 12 A and 5 % in the windings (Table 1), and never an over-voltage.
+/// Checks that the set-point is held within 0.5 %, unloaded at the lowest speed within 1 % (there the mean of
+/// two seconds varies by up to 0.66 % with the seed), with at most 12 A and 5 % in the windings (Table 1),
+/// and never an over-voltage.
 fn runs_at_every_supply(presets: &[Preset]) {
     let mut worst = (0.0_f64, 0.0_f64);
     for preset in presets {
@@ -93,7 +95,7 @@ fn runs_at_every_supply(presets: &[Preset]) {
     println!("speed within {:.2} %, phase current up to {:.1} A", 100.0 * worst.0, worst.1);
 }
 
-// In two halves, which run at the same time.
+// Divided into two tests, which run at the same time.
 
 #[test]
 fn the_first_half_of_the_presets_runs_at_every_supply() {

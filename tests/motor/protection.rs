@@ -1,4 +1,5 @@
-//! Fault logic: every cause with its threshold, hysteresis and published qualification time, mask, latch and code.
+//! Tests of the fault logic: every cause with its threshold, hysteresis and published qualification time,
+//! mask, latch and code.
 
 use crate::support::coefficients;
 use core::ops::{Deref, DerefMut};
@@ -11,7 +12,7 @@ use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
 use narx_core::units::{Amps, Celsius, Volts};
 
-/// Nothing wrong, hall closed loop running, torque forward.
+/// Evidence without a fault, in running hall closed loop with torque forward.
 pub(crate) fn healthy() -> Evidence {
     Evidence {
         sensorless: None,
@@ -68,7 +69,7 @@ pub(crate) fn limits(mask: u32) -> ProtectionCoefficients {
     c
 }
 
-/// `healthy` with a quantity set, in thousandths of its unit.
+/// Healthy evidence with one quantity set, in thousandths of its unit.
 pub(crate) fn with(cause: Cause, milli: i32) -> Evidence {
     let mut evidence = healthy();
     match cause {
@@ -88,12 +89,13 @@ fn published(cause: Cause) -> CauseRow {
     *Cause::TABLE.iter().find(|row| row.cause == cause).unwrap()
 }
 
-/// Ticks of 100 us that a qualification time takes; 0 is the tick that sees it.
+/// Number of ticks of 100 us of a qualification time; 0 means the tick that sees the cause.
 fn ticks(cause: Cause) -> u32 {
     published(cause).qualification.div_ceil(100).max(1)
 }
 
-/// Cause, just within the threshold, just beyond, still held by hysteresis (to the very end, where thousandths meet it), cleared; thousandths.
+/// Cause, and values in thousandths: just within the threshold, just beyond, still held by hysteresis
+/// (exactly at its end, where thousandths allow it), cleared.
 pub(crate) const QUANTITIES: [(Cause, i32, i32, i32, i32); 8] = [
     (Cause::OverVoltage, 61_000, 61_001, 60_500, 60_499),
     (Cause::UnderVoltage, 16_000, 15_999, 16_500, 16_501),
@@ -124,7 +126,7 @@ fn thresholds_hysteresis_and_qualification() {
             assert!(!word(&with(cause, within)).0, "{cause:?} at its threshold");
         }
         let needed = ticks(cause);
-        // One tick short of qualifying, one healthy tick, and the count starts anew.
+        // After one tick less than the qualification time and one healthy tick the count starts anew.
         for _ in 1..needed {
             assert!(!word(&with(cause, beyond)).0, "{cause:?} before {needed} ticks");
         }
@@ -148,7 +150,8 @@ fn thresholds_hysteresis_and_qualification() {
     }
 }
 
-/// A volt above the threshold of the over-voltage there is no time to qualify.
+/// An over-voltage of more than a volt above its threshold qualifies at once, because there is no time to
+/// wait.
 #[test]
 fn an_over_voltage_of_more_than_a_volt_qualifies_at_once() {
     let c = limits(u32::MAX);
@@ -158,7 +161,8 @@ fn an_over_voltage_of_more_than_a_volt_qualifies_at_once() {
     }
 }
 
-/// Causes that hold or do not: the tick that sees them, but for the shutdown line's millisecond.
+/// Causes that are either present or not qualify in the tick that sees them, except the shutdown line, which
+/// takes a millisecond.
 #[test]
 fn conditions_qualify_as_published() {
     let c = limits(u32::MAX);
@@ -191,7 +195,7 @@ fn conditions_qualify_as_published() {
     assert!(!(0..100).any(|_| protection.step(&c, &Evidence { lines: Lines::DSI2, ..healthy() })));
 }
 
-/// Ticks until the fault, in a hall closed loop in which every tick is `evidence(tick)`.
+/// Number of ticks until the fault, in a hall closed loop with `evidence(tick)` in every tick, and its code.
 fn hall_fault(evidence: impl Fn(u32) -> Evidence) -> Option<(u32, u16)> {
     let c = limits(u32::MAX);
     let mut protection = Guard::default();
@@ -207,7 +211,7 @@ fn hall_causes_count_and_forgive() {
     let quiet = HallEvents::default();
     let every =
         |period: u32, event| move |tick: u32| hall(if tick.is_multiple_of(period) { event } else { quiet });
-    // 000 or 111 for good: 64 counts, one taken away a millisecond.
+    // 000 or 111 permanently: 64 counts, of which one is taken away per millisecond.
     assert_eq!(hall_fault(every(1, invalid)), Some((70, Cause::HallInvalid as u16)));
     assert_eq!(hall_fault(every(10, invalid)), None, "one a millisecond is forgiven");
     assert_eq!(hall_fault(every(1, jump)), Some((5, Cause::HallJumps as u16)));
@@ -216,7 +220,7 @@ fn hall_causes_count_and_forgive() {
     let turned = |tick| Evidence { torque: false, ..every(40, back)(tick) };
     assert_eq!(hall_fault(turned), None, "without torque whoever turns it is not to blame");
     let stalled = |_| Evidence { hall_stopped: true, ..healthy() };
-    // 500 ms after the speed has been found to be 0.
+    // 500 ms after the speed was found to be 0.
     assert_eq!(hall_fault(stalled), Some((5000, Cause::HallStall as u16)));
     let coasting = |_| Evidence { hall_stopped: true, torque: false, ..healthy() };
     assert_eq!(hall_fault(coasting), None, "no torque, no stall");
@@ -224,7 +228,7 @@ fn hall_causes_count_and_forgive() {
     assert_eq!(hall_fault(elsewhere), None, "sensors are judged in state 5");
 }
 
-/// A condition of every maskable and forced bit.
+/// Evidence of every maskable and forced bit.
 fn present(bit: u32) -> Option<Evidence> {
     let h = healthy();
     let store = |word| Health { store_faults: word, self_test_failed: false };
@@ -246,7 +250,8 @@ fn present(bit: u32) -> Option<Evidence> {
     })
 }
 
-/// Mask bit 1 = critical. Bits 2, 3, 4, 5, 27, 29 and both store bits cannot be masked while driving; bit 0 never is critical.
+/// Mask bit 1 = critical. Bits 2, 3, 4, 5, 27, 29 and both store bits cannot be masked while driving; bit 0
+/// is never critical.
 #[test]
 fn mask_bit_by_bit() {
     let forced = [2, 3, 4, 5, 27, 30, 31];
@@ -268,7 +273,7 @@ fn mask_bit_by_bit() {
             }
         }
     }
-    // The time-out is the state machine's to judge; it is latched as it is raised.
+    // The state machine judges the time-out; here it is latched as it was raised.
     assert!(FaultWord::critical(0, true).contains(FaultWord::DEVICE_TIMEOUT));
     let mut protection = Guard::default();
     protection.raise_timeout();
@@ -285,7 +290,7 @@ fn the_first_code_is_kept() {
     assert_eq!(protection.critical(), FaultWord::LEGS_DRIVER | FaultWord::EMERGENCY_SHUTDOWN);
 }
 
-/// Codes are bit x 256 + n, n from 1 without gaps, and the table names each cause once.
+/// Codes are bit x 256 + n, with n from 1 without gaps, and the table has each cause once.
 #[test]
 fn codes_are_bit_and_number() {
     let mut next = [1_u16; 32];

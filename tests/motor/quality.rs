@@ -1,4 +1,5 @@
-//! Control quality and the start-up certificate, small: one motor of the market, three that nobody makes, a few cells of the grids.
+//! Small tests of control quality and the start-up certificate: one motor of the market, three random ones, a
+//! few cells of the grids.
 
 use narx_sim::presets::{PRESETS, Preset};
 use std::path::Path;
@@ -9,7 +10,7 @@ fn committed(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evidence").join(name)
 }
 
-/// What says which figure it is, of every row.
+/// Identifying fields of every row.
 fn heads(quality: &Quality) -> Vec<(&str, &str, &str, &str, f64)> {
     let promised = quality.rows.iter().filter(|row| !row.of.ends_with("unseen"));
     promised
@@ -17,7 +18,8 @@ fn heads(quality: &Quality) -> Vec<(&str, &str, &str, &str, f64)> {
         .collect()
 }
 
-/// The table that is committed has the rows which the code measures, and a motor of the market misses nothing.
+/// The committed table has the rows that the code measures, and a motor of the market misses none of the
+/// promises.
 #[test]
 fn quality_is_measured_as_it_is_committed() {
     let motor: Vec<&Preset> = PRESETS.iter().filter(|preset| preset.name == "ec45-flat-50w-18v").collect();
@@ -34,7 +36,8 @@ fn quality_is_measured_as_it_is_committed() {
     }
 }
 
-/// One cell in eleven of the grids: what is promised starts, and the figures are those that are committed.
+/// In every eleventh cell of the grids the promised starts succeed, and the figures are those that are
+/// committed.
 #[test]
 fn starts_are_certified_as_they_are_committed() {
     let motors: Vec<&'static Preset> = PRESETS.iter().filter(|preset| preset.name == "bly172s-24v").collect();
@@ -47,7 +50,7 @@ fn starts_are_certified_as_they_are_committed() {
         figures.map(|figure| (figure.name.clone(), figure.unit.clone(), figure.goal)).collect::<Vec<_>>()
     };
     assert_eq!(heads(&certificate), heads(&committed));
-    // The lock's torque is an edge: beyond it a start is the exception.
+    // The lock's torque is a limit: beyond it a start is the exception.
     let share = |from: usize| {
         let rows = certificate.breakaway.iter().skip(from).take(2);
         rows.fold((0, 0), |(tried, started), row| (tried + row.1, started + row.2))

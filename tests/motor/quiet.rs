@@ -1,4 +1,4 @@
-//! When the fault logic need not look: a tick that may leave it out is one in which it would find nothing new.
+//! Tests of the ticks in which the fault logic need not run: in such a tick it would find nothing new.
 
 use crate::protection::{Guard, QUANTITIES, healthy, limits, with};
 use narx_core::motor::guard::protection::{Evidence, Health, Limit, ProtectionCoefficients};
@@ -14,7 +14,7 @@ fn at_rest(c: &ProtectionCoefficients) -> Guard {
     guard
 }
 
-/// The next tick with this evidence may leave it out.
+/// Returns whether it may be left out of the next tick with this evidence.
 fn is_left_out(guard: &Guard, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
     let asserted = guard.lines.intersection(c.lines());
     let (voltage, current) =
@@ -27,13 +27,13 @@ fn is_left_out(guard: &Guard, c: &ProtectionCoefficients, evidence: &Evidence) -
         && guard.stays_calm_at(c, &evidence.slow)
 }
 
-/// Up to each threshold, and not a thousandth beyond it.
+/// Every quantity lets the fault logic rest up to its threshold, and not a thousandth beyond it.
 #[test]
 fn every_quantity_stirs_it_at_its_threshold() {
     let mut c = limits(u32::MAX);
     for (cause, within, beyond, ..) in QUANTITIES {
         if cause == Cause::OverTemperature {
-            // The warning would come before it.
+            // The temperature warning would come first.
             c.warning.trip = i32::MAX;
         }
         let guard = at_rest(&c);
@@ -57,7 +57,7 @@ fn every_line_that_is_looked_at_stirs_it() {
     }
 }
 
-/// While a fault lasts the fault logic need not be asked: at most twice in half a minute.
+/// While a fault lasts the fault logic need not run: at most twice in half a minute.
 #[test]
 fn a_lasting_fault_is_left_out() {
     let c = limits(0);
@@ -93,7 +93,7 @@ fn a_lasting_fault_is_left_out() {
     }
 }
 
-/// While an over-voltage qualifies, a volt above its threshold is seen at once.
+/// While an over-voltage qualifies, a volt above its threshold makes the fault logic run at once.
 #[test]
 fn a_rising_over_voltage_is_seen_at_once() {
     let c = limits(u32::MAX);
@@ -103,7 +103,7 @@ fn a_rising_over_voltage_is_seen_at_once() {
     assert!(!is_left_out(&guard, &c, &with(Cause::OverVoltage, 62_001)));
 }
 
-/// The counts of hall events decay with time, so the fault logic is asked in every tick until they are 0 again.
+/// The counts of hall events decay with time, so the fault logic runs in every tick until they are 0 again.
 #[test]
 fn counts_of_the_sensors_come_to_rest() {
     let c = limits(0);
@@ -117,7 +117,7 @@ fn counts_of_the_sensors_come_to_rest() {
         let mut guard = at_rest(&c);
         guard.step(&c, &evidence);
         assert!(!is_left_out(&guard, &c, &healthy()), "{what}");
-        // A jump weighs 13, one a millisecond is taken away.
+        // A jump weighs 13; one is taken away per millisecond.
         for _ in 0..140 {
             guard.step(&c, &healthy());
         }
@@ -129,13 +129,13 @@ fn counts_of_the_sensors_come_to_rest() {
 }
 
 proptest! {
-    /// A fault logic that is asked only when it must be reports the same in every tick as one that is asked in each.
+    /// A fault logic that runs only when it must reports the same in every tick as one that runs in each.
     #[test]
     fn who_sleeps_finds_the_same(
         mask in any::<u32>(),
         course in prop::collection::vec(
             (
-                // On every side of trip, hysteresis and the voltage that qualifies at once.
+                // Values on both sides of trip, hysteresis and the voltage that qualifies at once.
                 prop::sample::select(vec![15_500, 16_300, 48_000, 60_400, 60_800, 61_500, 62_500]),
                 prop::sample::select(vec![0, 6_800, 7_100, -7_100]),
                 prop::sample::select(vec![182_000, 184_000, 186_000, 189_000, 191_000]),
@@ -169,7 +169,7 @@ proptest! {
     }
 }
 
-/// An edge backward is remembered, and each forward makes up for a third of it.
+/// An edge backward is remembered, and each edge forward makes up for a third of it.
 #[test]
 fn edges_backward_are_remembered() {
     let c = limits(u32::MAX);
@@ -181,7 +181,8 @@ fn edges_backward_are_remembered() {
     assert_eq!([0, 1, -1, 1, 1, 1, 0].map(&mut turn), [true, true, false, false, false, true, true]);
 }
 
-/// The overspeed threshold of an episode is the largest that it had: a limit that is lowered while the motor turns is for the set-point first.
+/// The overspeed threshold of an episode is the largest that it had: a limit that is lowered while the motor
+/// turns at first acts on the set-point only.
 #[test]
 fn a_lowered_overspeed_waits_for_the_next_episode() {
     let c = limits(u32::MAX);

@@ -1,18 +1,19 @@
-//! What a bench does to a sensorless drive: loads, reversals, bad supplies, broken motors, heat; `bad_signals.rs` goes on. Every row
-//! of a table ends as it says: in state 4 on speed, in Standby, or in a fault with its extended code, bridge off.
+//! Tests of a sensorless drive under disturbances: loads, reversals, bad supplies, broken motors, heat;
+//! `bad_signals.rs` has more. Every row of a table ends as stated: in state 4 at speed, in Standby, or in a
+//! fault with its extended code and the bridge off.
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::motor::{Cause, Request, State, Step};
 use narx_sim::plant::{BackEmf, Injection, LoadConfig, MotorConfig, Phase, PlantConfig, SupplyConfig};
 use xtask::bench::map;
 
-/// Peak of any phase current allowed while the drive holds: 12 A (Table 1) and 10 %.
+/// Largest peak of any phase current while the drive holds, A: 12 A (Table 1) and 10 %.
 pub(crate) const PEAK: f64 = 13.2;
 
-/// Over-voltage qualifies at once above this (Table 2), in 10 ms above 61 V.
+/// Voltage above which over-voltage qualifies at once (Table 2), V; above 61 V it qualifies in 10 ms.
 pub(crate) const BUS_MAX: f64 = 62.0;
 
-/// How a row ends.
+/// End of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
     /// State 4, within 1 % of the set-point.
@@ -21,7 +22,7 @@ pub(crate) enum End {
     Standby,
     /// State 6, bridge off, with this cause.
     Fault(Cause),
-    /// None of these: state, and mean speed in rpm. No row may end here.
+    /// None of these: state, and mean speed in rpm. No row may end like this.
     Other(State, i32),
 }
 use End::{Fault, OnSpeed, Standby};
@@ -36,7 +37,7 @@ pub(crate) fn load(torque: f64) -> LoadConfig {
     LoadConfig { constant: torque, ..LoadConfig::default() }
 }
 
-/// Booted, and Drive (or, with a negative speed, Reverse) asked for: the set-up of every row.
+/// Set-up of every row: a drive after boot, with Drive (or, with a negative speed, Reverse) requested.
 pub(crate) fn started(config: &PlantConfig, changes: &[(u16, i32)], rpm: f64) -> Closed {
     let mut closed = Closed::sensorless(config, changes);
     closed.boot();
@@ -44,7 +45,7 @@ pub(crate) fn started(config: &PlantConfig, changes: &[(u16, i32)], rpm: f64) ->
     closed
 }
 
-/// The same, at speed.
+/// A drive set up in this way that has reached its speed.
 pub(crate) fn running(config: &PlantConfig, rpm: f64) -> Closed {
     let mut closed = started(config, &[], rpm);
     closed.run(16_000);
@@ -57,7 +58,7 @@ pub(crate) fn turn(closed: &mut Closed, rpm: f64) {
     closed.ask(if rpm < 0.0 { Request::Reverse } else { Request::Drive });
 }
 
-/// How it has ended. Where the bridge must be off, it is; speed is the mean of 0.2 s.
+/// Determines the end. Checks that the bridge is off where it must be; the speed is the mean of 0.2 s.
 pub(crate) fn end(closed: &mut Closed) -> End {
     let from = closed.plant.observe().angle;
     let mut left = false;
@@ -82,10 +83,10 @@ pub(crate) fn end(closed: &mut Closed) -> End {
     }
 }
 
-/// Ticks in state 7 after which it has an end: T71 and T74 come after 2 s (Table 7).
+/// Number of ticks after which state 7 has ended: T71 and T74 come after 2 s (Table 7).
 pub(crate) const RESTART: u64 = 25_000;
 
-/// Rows that did not end as they should, and what is printed of all.
+/// Rows that did not end as expected; all rows are printed.
 pub(crate) struct Table(pub Vec<String>);
 
 impl Table {
@@ -101,7 +102,7 @@ impl Table {
         }
     }
 
-    /// It holds: on speed, and within the phase current.
+    /// Checks that the drive holds: at speed, and within the phase current.
     pub(crate) fn holds(&mut self, name: &str, found: End, peak: f64) {
         self.row(name, found, &[OnSpeed], peak);
         if peak > PEAK {
@@ -109,7 +110,7 @@ impl Table {
         }
     }
 
-    /// Beyond what holds: back on speed, or an end with a name.
+    /// Checks an end beyond the conditions that the drive holds: back at speed, or a named end.
     pub(crate) fn named(&mut self, name: &str, found: End, peak: f64) {
         println!("  {name:<52} {found:?}, {peak:.1} A");
         if matches!(found, End::Other(..)) {
@@ -122,8 +123,8 @@ impl Table {
     }
 }
 
-/// Load steps up and down at several speeds. What is left out is beyond physics: 0.144 N m (rated) stop this rotor from 500 rpm within
-/// 1.8 ms, and a sector there lasts 5.
+/// Load steps up and down at several speeds are held. Those left out are physically impossible: 0.144 N m
+/// (rated) stop this rotor from 500 rpm within 1.8 ms, and a sector there lasts 5 ms.
 #[test]
 fn load_steps_at_any_speed() {
     let mut table = Table::new("load steps");
@@ -142,7 +143,7 @@ fn load_steps_at_any_speed() {
             table.holds(&format!("{rpm} rpm, {torque} N m"), found, closed.peak);
         }
     }
-    // With five times the inertia half of the rated torque at once.
+    // With five times the inertia, half of the rated torque at once.
     for rpm in [500.0, 1000.0] {
         let mut heavy = config(24.0);
         heavy.load.inertia = 4.0 * MOTOR.inertia;
@@ -157,7 +158,8 @@ fn load_steps_at_any_speed() {
     table.check();
 }
 
-/// Reversals at several speeds, loads and inertias, and one that is taken back under way: through standstill, the bus below 62 V.
+/// Reversals at several speeds, loads and inertias, and one that is cancelled under way, go through
+/// standstill with the bus below 62 V.
 #[test]
 fn reversals_at_any_speed() {
     let mut table = Table::new("reversals");
@@ -178,7 +180,7 @@ fn reversals_at_any_speed() {
                     table.0.push(format!("{supply} V, to {target} rpm: {:.1} V", closed.bus_max));
                 }
             }
-            // Taken back after 20 ms.
+            // Cancelled after 20 ms.
             turn(&mut closed, -rpm);
             closed.run(200);
             turn(&mut closed, rpm);
@@ -190,8 +192,8 @@ fn reversals_at_any_speed() {
     table.check();
 }
 
-/// Supply dips while running, with and without load; the threshold is 16 V, its qualification 1 ms (Table 2). Without load the capacitor
-/// carries the motor, which coasts through.
+/// Supply dips while running, with and without load, end as stated; the threshold is 16 V, its qualification
+/// 1 ms (Table 2). Without load the capacitor supplies the motor, which coasts through.
 #[test]
 fn supply_dips_while_running() {
     let mut table = Table::new("supply dips while running");
@@ -238,7 +240,8 @@ fn supply_dips_while_running() {
     table.check();
 }
 
-/// Dips of 50 ms in every part of a start. A bridge that is off, or a current that is small, leaves the bus to its capacitor.
+/// Dips of 50 ms in every part of a start end as stated. While the bridge is off, or the current small, the
+/// capacitor holds the bus.
 #[test]
 fn supply_dips_during_a_start() {
     let mut table = Table::new("supply dips during a start");
@@ -260,7 +263,7 @@ fn supply_dips_during_a_start() {
     table.check();
 }
 
-/// A held shaft and a broken motor cable, while running and from the start, idle and loaded.
+/// A held shaft and a broken motor cable, while running and from the start, idle and loaded, end as stated.
 #[test]
 fn blocked_rotor_and_open_phase() {
     let mut table = Table::new("blocked and open");
@@ -292,8 +295,9 @@ fn blocked_rotor_and_open_phase() {
     table.check();
 }
 
-/// A heavy rotor that turns since before power-up. Forward it is caught; slowly backward it is braked; fast backward its current would
-/// not be the drive's to choose, so it is left to coast and T71 ends in Standby. Faster than 130 % of the largest set-point is overspeed.
+/// A heavy rotor that turns since before power-up is caught if it turns forward, and braked if it turns
+/// slowly backward. Fast backward its current could not be controlled, so it is left to coast and T71 ends in
+/// Standby. More than 130 % of the largest set-point is overspeed.
 #[test]
 fn spinning_at_power_up() {
     let mut table = Table::new("spinning at power-up");
@@ -314,7 +318,7 @@ fn spinning_at_power_up() {
             config.speed = rpm / 60.0 * std::f64::consts::TAU;
             let mut closed = started(&config, &[], 2000.0);
             (closed.peak, closed.bus_max) = (0.0, 0.0);
-            // Without a load friction alone slows it down: 190 rpm/s.
+            // Without a load only friction slows it down: 190 rpm/s.
             closed.run(if rpm > 2000.0 { 30_000 + 55 * (rpm - 2000.0) as u64 } else { 38_000 });
             let found = end(&mut closed);
             table.row(&format!("{supply} V, {rpm} rpm"), found, &[allowed], closed.peak);
@@ -324,14 +328,15 @@ fn spinning_at_power_up() {
     table.check();
 }
 
-/// Windings and magnets from 25 to 190 degrees: 65 % more resistance, 16 % less back-EMF than commissioned for; started and loaded.
+/// With windings and magnets from 25 to 190 degrees, 65 % more resistance and 16 % less back-EMF than
+/// commissioned for, the drive starts and takes its load.
 #[test]
 fn windings_from_25_to_190_degrees() {
     let mut table = Table::new("winding temperature");
     for back_emf in [BackEmf::Trapezoidal { flat_top_deg: 120.0 }, BackEmf::Sinusoidal] {
         for supply in [18.0, 24.0, 60.0] {
             for celsius in [25.0_f64, 100.0, 190.0] {
-                // Stays as hot as it is made.
+                // Keeps the temperature that is set.
                 let motor = MotorConfig { back_emf, thermal_resistance: 1e-3, thermal_time: 1e9, ..MOTOR };
                 let mut config = PlantConfig::new(motor, supply);
                 config.angle_deg = 77.0;
@@ -352,7 +357,7 @@ fn windings_from_25_to_190_degrees() {
     table.check();
 }
 
-/// The scenarios of the sensorless vectors, recorded or not, end as they say.
+/// The scenarios of the sensorless vectors, recorded or not, end as stated in them.
 #[test]
 fn sensorless_scenarios_end_as_they_say() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -1,4 +1,4 @@
-//! A rotor that turns by a script, and what correctly wired hall sensors show of it.
+//! A rotor that turns by a script, and the lines of correctly wired hall sensors on it.
 
 use narx_core::motor::sense::samples::EDGES_MAX;
 use narx_core::motor::{Edge, EdgeSource, Samples};
@@ -22,26 +22,26 @@ pub(crate) fn error_degrees(angle: u32, turns: f64) -> f64 {
     ((difference + 0.5).rem_euclid(1.0) - 0.5) * 360.0
 }
 
-/// Constant speed between calls; the script may change it.
+/// A scripted rotor: its speed is constant between calls; the script may change it.
 #[derive(Clone, Debug)]
 pub(crate) struct ScriptedRotor {
     /// Electrical angle at the boundary at the start of the present period, turns.
     pub angle: f64,
-    /// Turns a tick.
+    /// Speed, turns per tick.
     pub speed: f64,
-    /// Where in the period the level is sampled.
+    /// Instant of the period at which the level is sampled, share of it.
     pub sample_at: f64,
-    /// Edges carry time stamps.
+    /// Edges have time stamps.
     pub capture: bool,
 }
 
 impl ScriptedRotor {
-    /// `frequency` in electrical revolutions a second at 10 000 ticks a second.
+    /// A rotor with `frequency` in electrical revolutions per second, at 10 000 ticks per second.
     pub(crate) fn new(angle: f64, frequency: f64, capture: bool) -> Self {
         Self { angle, speed: frequency / 10_000.0, sample_at: 0.1, capture }
     }
 
-    /// One period on: hall level and edges of the samples at the new boundary.
+    /// Goes on by one period: sets hall level and edges of the samples at the new boundary.
     pub(crate) fn advance(&mut self, samples: &mut Samples) {
         let before = self.angle;
         self.angle += self.speed;

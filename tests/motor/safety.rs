@@ -1,4 +1,5 @@
-//! Safety invariants of the whole tick, for any samples and any events from any state that such input can reach.
+//! Tests of the safety invariants of the whole tick, for any samples and any events, from any state that such
+//! input can reach.
 
 use crate::support::coefficients;
 use narx_core::dictionary::number;
@@ -25,7 +26,7 @@ fn command() -> impl Strategy<Value = Event> {
     })
 }
 
-/// Sets that build: each mode, other limits.
+/// Parameter sets that build: each mode, with various limits.
 fn sets() -> impl Strategy<Value = Coefficients> {
     (0..8, 0..2, 0..10_000, 2_500..7_000, 1..3_000).prop_map(|(modes, standard, duty, current, slew)| {
         coefficients(&[
@@ -67,7 +68,7 @@ fn edge() -> impl Strategy<Value = Edge> {
     })
 }
 
-/// Any samples: often plausible ones, so that the drive gets somewhere.
+/// Any samples: often plausible ones, so that the drive goes through its states.
 fn samples() -> impl Strategy<Value = Samples> {
     let voltage = prop_oneof![8 => 1_000..3_000_u16, 1 => any::<u16>()];
     let current = prop_oneof![8 => 2_000..2_300_u16, 1 => any::<u16>()];
@@ -89,7 +90,7 @@ fn samples() -> impl Strategy<Value = Samples> {
     )
 }
 
-/// A stretch of equal samples after an event: any state needs time to be reached.
+/// A stretch of equal samples after an event: states take time to be reached.
 type Stretch = (Option<Event>, Samples, u16);
 
 fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
@@ -97,7 +98,7 @@ fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
     prop::collection::vec((prop::option::of(event()), samples(), ticks), 1..30)
 }
 
-/// A drive in Standby after a healthy boot, the first command a fresh edge.
+/// A drive in Standby after a healthy boot; its first command is a fresh edge.
 fn booted(c: &Coefficients) -> Drive {
     let mut drive = Drive::new(*c);
     let samples = Samples { bus_voltage: 2_458, bus_current: 2_048, hall: 1, ..Samples::default() };
@@ -114,7 +115,7 @@ fn booted(c: &Coefficients) -> Drive {
     drive
 }
 
-/// What holds after every tick whatever came in.
+/// Checks the invariants after a tick with any input.
 fn check(
     drive: &Drive,
     before: &PwmCommand,
@@ -129,7 +130,7 @@ fn check(
         prop_assert_eq!(now.duty.to_bits(), 0);
     }
     if let Some(status) = status {
-        // Whatever is critical and present now has turned the bridge off in this very tick.
+        // A critical fault that is present turns the bridge off in this very tick.
         prop_assert_eq!(status.state, state);
         if state.is_driving() {
             prop_assert!(status.critical.is_empty(), "driving with {:?}", status.critical);
@@ -140,7 +141,8 @@ fn check(
     }
     prop_assert!(now.duty.to_bits() <= 32_768);
     let (last, next) = (before.duty.to_bits(), now.duty.to_bits());
-    // 30 %/ms at most in the sets above, that is 3 % a tick; a current limit may retreat eight times faster; going off is free.
+    // 30 %/ms at most in the sets above, that is 3 % a tick; a current limit may reduce it eight times
+    // faster; switching off is not limited.
     prop_assert!(next <= last + 984, "{last} -> {next}");
     prop_assert!(next == 0 || next + 8 * 984 >= last, "{last} -> {next}");
     let mut instant = 8_192;
@@ -184,7 +186,7 @@ proptest! {
         run(&mut drive, &input)?;
     }
 
-    /// A drive that was written down and read back answers as the one that was not.
+    /// A drive that was stored and restored answers as the original.
     #[test]
     fn a_snapshot_continues_alike(c in sets(), before in stretches(), after in stretches()) {
         let mut drive = booted(&c);
@@ -197,7 +199,8 @@ proptest! {
         prop_assert_eq!(copy, drive);
     }
 
-    /// Any critical cause that needs no qualification, in any reachable state: off in the tick that sees it.
+    /// Any critical cause that needs no qualification turns the bridge off, in any reachable state, in the
+    /// tick that sees it.
     #[test]
     fn a_critical_cause_turns_off_in_its_tick(c in sets(), before in stretches(), mut last in samples(), which in 0..4) {
         let mut drive = booted(&c);
@@ -222,7 +225,7 @@ proptest! {
     }
 }
 
-/// The random inputs above do reach the driving states; else they would prove little.
+/// The random inputs above reach the driving states; else they would prove little.
 #[test]
 fn random_inputs_reach_the_driving_states() {
     use proptest::strategy::ValueTree;

@@ -1,4 +1,4 @@
-//! A drive fed with scripted samples.
+//! A drive with scripted samples.
 
 use crate::rotor::ScriptedRotor;
 use narx_core::motor::{
@@ -6,23 +6,23 @@ use narx_core::motor::{
 };
 use narx_core::units::ElectricalSpeed;
 
-/// Ticks of the boot time, 0.5 s.
+/// Boot time in ticks, 0.5 s.
 pub(crate) const BOOT: u64 = 5_000;
 
-/// A drive, its rotor and the samples that the script may spoil before a step.
+/// A drive, its rotor, and samples that the script may change before a step.
 pub(crate) struct Scripted {
     pub drive: Drive,
     pub rotor: ScriptedRotor,
     pub samples: Samples,
     pub request: Request,
-    /// Electrical rev/s.
+    /// Set-point, electrical rev/s.
     pub speed: i32,
     pub status: Status,
-    /// Bus current at a blocked rotor for a duty of 1, A: it goes with the duty squared.
+    /// Bus current at a blocked rotor for a duty of 1, A; it is proportional to the square of the duty.
     pub blocked_current: f64,
-    /// Ticks stepped.
+    /// Number of ticks so far.
     pub ticks: u64,
-    /// See [`watch`](Self::watch).
+    /// Second drive for comparison; see [`watch`](Self::watch).
     watched: Option<Drive>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn current_code(amperes: f64) -> u16 {
 }
 
 impl Scripted {
-    /// At power-up, 48 V, no current, Standby requested; the first tick has number `first`.
+    /// A drive at power-up: 48 V, no current, Standby requested; the first tick has number `first`.
     pub(crate) fn new(coefficients: Coefficients, rotor: ScriptedRotor, first: u64) -> Self {
         let samples = Samples {
             tick: first,
@@ -60,12 +60,12 @@ impl Scripted {
         }
     }
 
-    /// The request, as a master repeats it.
+    /// Present request, as a master repeats it.
     pub(crate) fn command(&self) -> Event {
         Event::Command(Command { request: self.request, speed: ElectricalSpeed::from_bits(self.speed << 16) })
     }
 
-    /// One tick: the master speaks every 50 ms, `spoil` has the last word on the samples.
+    /// Runs a tick: the master sends every 50 ms, and `spoil` changes the samples last.
     pub(crate) fn tick(&mut self, spoil: impl FnOnce(&mut Samples)) -> PwmCommand {
         if self.ticks.is_multiple_of(500) {
             self.handle_event(self.command());
@@ -92,7 +92,8 @@ impl Scripted {
         output
     }
 
-    /// From now on a second drive, which asks every station in every tick, must answer every tick alike.
+    /// Compares every tick from now on with a second drive that runs every station in every tick: both must
+    /// answer alike.
     pub(crate) fn watch(&mut self) {
         self.watched = Some(self.drive.clone());
     }
@@ -112,7 +113,7 @@ impl Scripted {
         assert_eq!(self.drive.state(), State::Standby);
     }
 
-    /// Asks for something now.
+    /// Sends a request now.
     pub(crate) fn ask(&mut self, request: Request) {
         self.request = request;
         self.handle_event(self.command());

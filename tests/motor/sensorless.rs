@@ -1,11 +1,11 @@
-//! The sensorless drive on the plant: start, hand-over, load, flying start, rails.
+//! Tests of the sensorless drive on the plant: start, hand-over, load, flying start, rails.
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
 use narx_core::motor::{Cause, Request, State};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
 
-/// Peak of any phase current allowed: 12 A (Table 1) and 10 %.
+/// Largest peak of any phase current: 12 A (Table 1) and 10 %.
 const PEAK: f64 = 12.0 * 1.1;
 
 fn config(supply: f64) -> PlantConfig {
@@ -14,7 +14,7 @@ fn config(supply: f64) -> PlantConfig {
     config
 }
 
-/// Runs until the state is reached; ticks it took.
+/// Runs until the state is reached; returns the number of ticks.
 fn until(closed: &mut Closed, state: State, most: u64) -> Option<u64> {
     (1..=most).find(|_| {
         closed.tick();
@@ -32,7 +32,8 @@ fn running(config: &PlantConfig, changes: &[(u16, i32)], request: Request) -> Cl
     closed
 }
 
-/// From any rest position, both ways, 18 to 60 V: closed loop within 0.8 s, at speed a second later, no over-current.
+/// From any rest position, in both directions and at 18 to 60 V, the motor is in closed loop within 0.8 s and
+/// at speed a second later, without over-current.
 #[test]
 fn starts_from_any_position_at_any_supply() {
     let mut peak = 0.0_f64;
@@ -50,7 +51,7 @@ fn starts_from_any_position_at_any_supply() {
     assert!(peak <= PEAK, "{peak:.1} A");
 }
 
-/// The change from kick to speed loop, and from state 3 to 4: neither voltage nor speed jumps.
+/// At the change from kick to speed loop, and from state 3 to 4, neither voltage nor speed jumps.
 #[test]
 fn hand_over_is_bumpless() {
     let mut closed = Closed::sensorless(&config(24.0), &[]);
@@ -67,7 +68,8 @@ fn hand_over_is_bumpless() {
     assert!((closed.rpm() - speed).abs() < 100.0, "{speed} to {} rpm", closed.rpm());
 }
 
-/// No torque to the motor's rated torque in one step, and back: no desynchronisation, and the speed is back within 1 % in half a second.
+/// A step from no torque to the motor's rated torque, and back, causes no desynchronisation, and the speed is
+/// back within 1 % in half a second.
 #[test]
 fn a_load_step_does_not_desynchronise() {
     let mut closed = running(&config(24.0), &[], Request::Drive);
@@ -80,7 +82,7 @@ fn a_load_step_does_not_desynchronise() {
     assert!(closed.peak <= PEAK, "{:.1} A", closed.peak);
 }
 
-/// A reversal comes to rest first, and starts the other way.
+/// A reversal comes to rest first, and starts in the other direction.
 #[test]
 fn reversal_comes_to_rest_first() {
     let mut closed = running(&config(24.0), &[], Request::Drive);
@@ -90,7 +92,8 @@ fn reversal_comes_to_rest_first() {
     assert!(closed.peak <= PEAK && closed.bus_max < 61.0);
 }
 
-/// A held shaft: auto-restart (T47) for its two seconds, then Standby (T71) or a named fault; let go, it is running again (T74).
+/// A held shaft leads to auto-restart (T47) for its two seconds, then to Standby (T71) or a named fault; a
+/// shaft that is released in time runs again (T74).
 #[test]
 fn a_stall_belongs_to_auto_restart() {
     for held in [30_000, 3_000] {
@@ -112,11 +115,11 @@ fn a_stall_belongs_to_auto_restart() {
     }
 }
 
-/// What ended too many episodes is over with them: a Standby request takes the fault back (T61), and the next start begins as the first did, with
-/// sensors and without.
+/// The count of ended episodes ends with the fault: a Standby request acknowledges it (T61), and the next
+/// start begins like the first, with sensors and without.
 #[test]
 fn a_fault_without_sensors_is_acknowledged_and_the_next_start_is_a_first_one() {
-    // The true number of pole pairs, without sensors; hall sensors instead; a field that is only led.
+    // The true number of pole pairs, without sensors; hall sensors instead; open loop only.
     let sensorless = [(number::MOTOR_POLE_PAIRS, 4)];
     let enables = |open_loop, closed, hall| {
         [
@@ -146,7 +149,8 @@ fn a_fault_without_sensors_is_acknowledged_and_the_next_start_is_a_first_one() {
     }
 }
 
-/// Half of the true number of pole pairs: speed and voltage do not fit, and that has a name.
+/// With half or twice the true number of pole pairs speed and voltage do not fit together, and a fault names
+/// this.
 #[test]
 fn a_wrong_number_of_pole_pairs_is_named() {
     for pole_pairs in [2, 8] {
@@ -165,7 +169,8 @@ fn a_wrong_number_of_pole_pairs_is_named() {
     }
 }
 
-/// Comparators with capture: the same drive beyond what samples can follow, two ticks a sector.
+/// With captured comparator edges the same drive runs beyond the speed that samples can follow, at two ticks
+/// per sector.
 #[test]
 fn comparator_edges_run_the_motor() {
     let mut config = config(24.0);

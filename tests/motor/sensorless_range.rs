@@ -1,4 +1,4 @@
-//! How well the sensorless drive commutates over its range of speed, loads, inertias and motors.
+//! Tests of the quality of sensorless commutation over the range of speeds, loads, inertias and motors.
 
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
@@ -16,7 +16,7 @@ fn load(torque: f64) -> LoadConfig {
     LoadConfig { constant: torque, ..LoadConfig::default() }
 }
 
-/// In closed loop at `rpm`, `ticks` after Drive was asked for.
+/// A drive in closed loop at `rpm`, `ticks` after Drive was requested.
 fn running(mut closed: Closed, rpm: f64, ticks: u64) -> Closed {
     closed.set_point = rpm;
     closed.boot();
@@ -26,8 +26,9 @@ fn running(mut closed: Closed, rpm: f64, ticks: u64) -> Closed {
     closed
 }
 
-/// With converter noise, idle and loaded, both shapes, 500 to 4000 rpm with 4 pole pairs: commutation within 2 degrees in the mean and 5
-/// at worst, even to 2 %, speed to 0.5 %.
+/// With converter noise, idle and loaded, with both shapes of back-EMF and at 500 to 4000 rpm with 4 pole
+/// pairs, commutation is within 2 degrees in the mean and 5 at worst, even to 2 %, and the speed within 0.5
+/// %.
 #[test]
 fn commutation_is_within_two_degrees_over_the_range() {
     let (mut mean, mut worst, mut jitter) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -53,7 +54,7 @@ fn commutation_is_within_two_degrees_over_the_range() {
     println!("mean {mean:.2} worst {worst:.2} degrees, jitter {:.2} %", 100.0 * jitter);
 }
 
-/// A motor that turns fast: 12 500 rpm with 4 pole pairs at this supply.
+/// Plant with a fast motor: 12 500 rpm with 4 pole pairs at this supply.
 fn fast(supply: f64, back_emf: BackEmf) -> PlantConfig {
     let motor = MotorConfig {
         torque_constant: 0.0125 * supply / 24.0,
@@ -67,7 +68,7 @@ fn fast(supply: f64, back_emf: BackEmf) -> PlantConfig {
     config
 }
 
-/// Sampled back-EMF: 24 000 electrical rpm, 4.2 samples a sector.
+/// Sampled back-EMF reaches 24 000 electrical rpm, with 4.2 samples per sector.
 #[test]
 fn samples_carry_to_24000_electrical_rpm() {
     for (supply, back_emf) in [(24.0, SHAPES[0]), (48.0, SHAPES[1])] {
@@ -95,8 +96,8 @@ fn commissioned(preset: &Preset) -> (Commissioning, PlantConfig, f64) {
     (commissioning, config, middle)
 }
 
-/// Rated torque where the drive's limits leave it: what the phase current limit carries, and what 150 W leave beside the copper's loss, with a
-/// tenth of room.
+/// Rated torque, as far as the drive's limits allow it: the torque of the phase current limit, and that of
+/// 150 W less the loss in the copper, with a reserve of a tenth.
 fn rated_torque(preset: &Preset, commissioning: &Commissioning, rpm: f64) -> f64 {
     let motor = &preset.motor;
     let by_current = 0.9 * motor.torque_constant * preset.data.rated_current.unwrap_or(6.0);
@@ -112,8 +113,8 @@ fn rated_torque(preset: &Preset, commissioning: &Commissioning, rpm: f64) -> f64
     torque
 }
 
-/// All presets at their nominal voltage: started, at mid-range speed, a step to rated torque and back. No desynchronisation; within 1 % (mean
-/// of 25 ms) half a second after each.
+/// All presets at their nominal voltage start, reach mid-range speed, and take a step to rated torque and
+/// back, without desynchronisation and within 1 % (mean of 25 ms) half a second after each.
 #[test]
 fn every_preset_runs_and_takes_its_rated_load() {
     for preset in &PRESETS {
@@ -144,8 +145,8 @@ fn every_preset_runs_and_takes_its_rated_load() {
     }
 }
 
-/// A fifth and five times the inertia that the drive was commissioned for: it starts and comes to its speed, without over-voltage, within 12 A and
-/// 5 %.
+/// With a fifth and five times the inertia of the commissioning a motor starts and reaches its speed, without
+/// over-voltage, within 12 A and 5 %.
 #[test]
 fn light_and_heavy_rotors_start_and_stay_within_the_limits() {
     let (mut peak, mut bus) = (0.0_f64, 0.0_f64);
@@ -167,7 +168,8 @@ fn light_and_heavy_rotors_start_and_stay_within_the_limits() {
     println!("phase current up to {peak:.1} A, bus up to {bus:.1} V");
 }
 
-/// Comparators with capture, from the slow end to two ticks a sector, which is well beyond what samples can follow. The shaft drives a fan.
+/// Captured comparator edges work from the slow end to two ticks per sector, well beyond the speed that
+/// samples can follow. The shaft drives a fan.
 #[test]
 fn comparator_edges_carry_to_top_speed() {
     for (supply, back_emf) in [(24.0, SHAPES[0]), (48.0, SHAPES[1])] {
@@ -188,5 +190,5 @@ fn comparator_edges_carry_to_top_speed() {
     }
 }
 
-/// Electrical rpm at two ticks a sector.
+/// Electrical rpm at two ticks per sector.
 const TOP: f64 = 50_000.0;

@@ -1,4 +1,4 @@
-//! A commissioned drive with its master, and parameters in their units.
+//! Tests of a commissioned drive with its master, and of parameters in their units.
 
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::State;
@@ -35,7 +35,7 @@ fn starts_changes_speed_and_stops_when_asked() {
     assert_eq!((outcome.ticks, outcome.digest), (56_000, session.bench().digest()));
 }
 
-/// A request during boot would be spent; the session keeps it until the drive can take it.
+/// The session keeps a request during boot until the drive can take it, because the drive would ignore it.
 #[test]
 fn a_start_before_the_end_of_boot_is_kept() {
     let mut session = Session::new(&config()).unwrap();
@@ -52,7 +52,7 @@ fn a_start_before_the_end_of_boot_is_kept() {
     session.stop();
     session.run(0.1);
     assert_eq!(session.bench().status().state, State::Standby);
-    // One that is withdrawn before the drive has seen it is gone.
+    // A request that is withdrawn before the drive has seen it is gone.
     let mut session = Session::new(&config()).unwrap();
     session.start(1500);
     session.stop();
@@ -60,7 +60,7 @@ fn a_start_before_the_end_of_boot_is_kept() {
     assert_eq!(session.bench().status().state, State::Standby);
 }
 
-/// Sensors that come late commutate late: the same set-point takes more current.
+/// Sensors that switch late commutate late: the same set-point takes more current.
 #[test]
 fn hall_sensors_can_be_misplaced() {
     let current = |hall_offset_deg| {
@@ -98,7 +98,7 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
     assert_eq!(with(999, 1.0).unwrap_err().to_string(), "there is no parameter 999");
 }
 
-/// What a unit says is what the wire carries: every end of every range there and back.
+/// Values convert exactly between units and the wire: every end of every range in both directions.
 #[test]
 fn units_are_exact_both_ways() {
     let mut parameters = Parameters::new();
@@ -115,7 +115,7 @@ fn units_are_exact_both_ways() {
                 row.name()
             );
         }
-        // Half a step of the scale is still the limit; a whole one is beyond it.
+        // Half a step beyond still counts as the limit; a whole step is beyond it.
         let step = engineering::to_unit(row, 1);
         let before = parameters.clone();
         assert!(

@@ -1,4 +1,4 @@
-//! Starting without sensors: 200 random plants, every preset at every supply.
+//! Tests of starts without sensors: 200 random plants, every preset at every supply.
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
@@ -9,12 +9,13 @@ use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
 use xtask::bench::{Point, Start, map};
 
-/// Cases that do not start yet, each with the fault that it ends in: 45 overspeed after hand-over (0x1b03; inertia x0.23), 119 over-voltage at 56.5 V (0x0201).
-/// Nothing may be added here: the promise is 99.9 % of all, which `cargo xtask bench` counts.
+/// Cases that do not start yet, each with its fault: 45 overspeed after hand-over (0x1b03; inertia x0.23),
+/// 119 over-voltage at 56.5 V (0x0201). No case may be added here: the promise is 99.9 % of all, which `cargo
+/// xtask bench` counts.
 const KNOWN: [u64; 2] = [45, 119];
 
-/// Two hundred of the ten thousand of the bench. None but the known ones may fail, at most a twentieth may need Auto-restart, and
-/// none may end without a name.
+/// Of two hundred of the bench's ten thousand plants none but the known ones may fail, at most a twentieth
+/// may need Auto-restart, and none may end without a name.
 #[test]
 fn two_hundred_random_plants_start() {
     let cases: Vec<u64> = (0..200).collect();
@@ -35,8 +36,9 @@ fn two_hundred_random_plants_start() {
     assert_eq!(list(&|start| start.to_closed_loop > 3.0), "");
 }
 
-/// Parameter 84 in per cent of the nominal voltage: a motor that was brought up without sensors goes on in closed loop from there, and with 0 from the voltage it had. Either way it reaches
-/// its set-point.
+/// Parameter 84 is in per cent of the nominal voltage: a motor that was brought up without sensors goes on in
+/// closed loop from that voltage, and with 0 from its present voltage. In both cases it reaches its
+/// set-point.
 #[test]
 fn closed_loop_begins_with_its_initial_voltage() {
     let begins = |initial: i32| {
@@ -50,7 +52,7 @@ fn closed_loop_begins_with_its_initial_voltage() {
             before = voltage(&closed);
             closed.tick();
         }
-        // The slew limit passes within some ticks, the speed loop goes on from there.
+        // The slew limit takes some ticks, then the speed loop goes on.
         (0..5).for_each(|_| closed.tick());
         let after = voltage(&closed);
         (0..20_000).for_each(|_| closed.tick());
@@ -64,7 +66,7 @@ fn closed_loop_begins_with_its_initial_voltage() {
     }
 }
 
-/// One line of a table; rounded so that only what an eye would notice changes it.
+/// One line of a table, rounded so that only visible differences change it.
 fn row(point: &Point) -> String {
     let load = if point.load > 0.0 { "rated" } else { "none" };
     let place = format!("{:<22} {:>4} V  {load:<5}", point.preset.name, point.supply);
@@ -75,7 +77,7 @@ fn row(point: &Point) -> String {
             f.rpm,
             f.to_closed_loop,
             f.to_speed,
-            // Half up, and no negative zero.
+            // Rounded half up, without negative zero.
             (1000.0 * f.error).round() / 10.0 + 0.0,
             100.0 * f.jitter,
             f.angle_mean.abs(),
@@ -102,14 +104,16 @@ fn table(mode: Mode) -> String {
     text
 }
 
-/// Time from the Drive request to closed loop and to within 1 % of the set-point, steady error, jitter of commutation (rms, of 60 degrees), its mean
-/// place (degrees), peak phase current. The set-point is the middle of the motor's range, or less for the output power.
+/// The table of presets with hall sensors is unchanged: time from the Drive request to closed loop and to
+/// within 1 % of the set-point, steady error, jitter of commutation (rms, of 60 degrees), its mean angle
+/// (degrees), peak phase current. The set-point is the middle of the motor's range, or less for the output
+/// power.
 #[test]
 fn presets_with_hall_sensors() {
     insta::assert_snapshot!(table(Mode::Hall));
 }
 
-/// The same without sensors.
+/// The table of presets without sensors is unchanged.
 #[test]
 fn presets_without_sensors() {
     insta::assert_snapshot!(table(Mode::Sensorless));

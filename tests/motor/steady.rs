@@ -1,23 +1,24 @@
-//! Commutation as the shaft sees it: where the rotor truly is at each change of the pattern, and how even the changes come.
+//! Commutation at the shaft: the true rotor angle at each change of the pattern, and the regularity of the
+//! changes.
 
 use crate::bench::Closed;
 
-/// What a stretch of running showed.
+/// Figures of a stretch of running.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Steady {
     /// Mean of (rotor - ideal boundary) in electrical degrees, positive is late.
     pub mean: f64,
     /// Largest deviation from the ideal boundary.
     pub worst: f64,
-    /// Standard deviation of the time between commutations, of its mean.
+    /// Standard deviation of the time between commutations, as a share of its mean.
     pub jitter: f64,
     /// Mean mechanical speed, rpm.
     pub rpm: f64,
-    /// Commutations seen.
+    /// Number of commutations.
     pub count: usize,
 }
 
-/// Runs `ticks` periods and measures. A motor that turns forward.
+/// Runs `ticks` periods of a motor that turns forward, and measures.
 pub(crate) fn measure(closed: &mut Closed, ticks: u64) -> Steady {
     let (mut errors, mut instants) = (Vec::new(), Vec::new());
     let begin = closed.plant.observe();

@@ -1,12 +1,13 @@
-//! Table 7 against code written from the specification, for every state and every set of conditions.
+//! Tests of Table 7 against code written from the specification, for every state and every set of conditions.
 //!
-//! `expected` was written from Table 6, Table 7 and the project's decisions on them, not from the core's table: plain `if`s in the order
-//! critical fault, Standby request, communication time-out, reversal, time and speed.
+//! `expected` was written from Table 6, Table 7 and the project's decisions on them, not from the core's
+//! table: plain `if`s in the order critical fault, Standby request, communication time-out, reversal, time
+//! and speed.
 
 use narx_core::motor::State;
 use narx_core::motor::machine::state::{Conditions, TRANSITIONS, transition};
 
-/// What the specification says: the transition's name and the state after it.
+/// Result by the specification: the transition's name and the state after it.
 fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {
     let has = |condition| c.contains(condition);
     match state {
@@ -60,7 +61,7 @@ fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {
             if has(Conditions::STANDBY) {
                 return Some(("T71", State::Standby));
             }
-            // The other direction, from rest: there is nothing to wait for.
+            // The other direction from rest: no wait is needed.
             if has(Conditions::REVERSAL) && has(Conditions::STOPPED) {
                 return Some(("T71", State::Standby));
             }
@@ -81,7 +82,8 @@ fn boot(has: &impl Fn(Conditions) -> bool) -> Option<(&'static str, State)> {
     has(Conditions::BOOTED).then_some(("T01", State::Standby))
 }
 
-/// Table 6 with its priority. A request to stand by, or one that nobody has renewed for the time-out, starts nothing.
+/// Table 6 with its priority. A request for Standby, or one that was not renewed within the time-out, starts
+/// nothing.
 fn start(has: &impl Fn(Conditions) -> bool) -> Option<(&'static str, State)> {
     if has(Conditions::CRITICAL) {
         return Some(("T16", State::Fault));
@@ -140,7 +142,7 @@ fn every_state_and_every_set_of_conditions() {
     assert_eq!(checked, 8 * 32_768);
 }
 
-/// Every row of Table 7 and the added ones (T06, T16, T76) exists, and every row can be the one that fires.
+/// Every row of Table 7 and the added ones (T06, T16, T76) exist, and every row can be the one that fires.
 #[test]
 fn every_row_of_table_7_can_fire() {
     let mut names = [

@@ -1,4 +1,4 @@
-//! Worlds in which everything goes wrong at once: a few here, hours of them by `cargo xtask worlds`.
+//! Tests of worlds with many faults at once: a few here, hours of them by `cargo xtask worlds`.
 
 use narx_core::motor::State;
 use narx_sim::plant::{Injection, InjectionOptions, Phase};
@@ -12,7 +12,7 @@ fn nothing_happens_that_may_not_and_afterwards_the_motor_turns() {
     for story in &stories {
         assert!(story.broken.is_none(), "{story}");
     }
-    // A world without mishaps, or one in which no drive ever drives, would prove nothing.
+    // Without mishaps, or without a drive that ever drives, the test would prove nothing.
     for (index, kind) in KINDS.iter().enumerate() {
         assert!(stories.iter().any(|story| story.mishaps[index] > 0), "no {}", kind.name());
     }
@@ -27,7 +27,8 @@ fn a_world_is_its_number() {
     assert_ne!(run(1_000_001, false).digest, run(1_000_002, false).digest);
 }
 
-/// What is summed up is what the worlds tell; what has happened that may not stands under its name, with its number.
+/// The sum has the figures of the worlds, and a broken invariant is listed under its name, with the number of
+/// the world.
 #[test]
 fn worlds_add_up() {
     let story = run(1_000_001, false);

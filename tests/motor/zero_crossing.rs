@@ -1,4 +1,5 @@
-//! Back-EMF samples, edges and levels to crossings; crossings to angle and speed; episodes to faults.
+//! Tests of the way from back-EMF samples, edges and levels to crossings, from crossings to angle and speed,
+//! and from episodes to faults.
 
 use crate::support;
 use narx_core::dictionary::number;
@@ -14,24 +15,24 @@ use narx_core::motor::sense::measurement::ChannelScale;
 use narx_core::motor::{Cause, Direction, Edge, EdgeSource, PwmCommand, SampleMode, Samples, Step};
 
 const TICK: f64 = 65_536.0;
-/// 0.08 V in codes, which are millivolts.
+/// Noise threshold: 0.08 V in codes, which are millivolts.
 const NOISE: i32 = 80;
 
-/// What one tick showed.
+/// Observation in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seen {
-    /// How the step before ended.
+    /// End of the previous step.
     end: End,
-    /// The sector of the present step.
+    /// Sector of the present step.
     sector: Option<u8>,
-    /// What the present step shows.
+    /// Observation of the present step.
     pub(crate) sight: Sight,
-    /// The present step's crossing was seen, or was late.
+    /// True if the present step's crossing was seen, or was late.
     found: bool,
 }
 
 impl Seen {
-    /// The age of a healthy crossing of the present step, 1/65 536 tick.
+    /// Age of a healthy crossing of the present step, 1/65 536 tick.
     pub(crate) const fn crossing(&self) -> Option<i32> {
         match self.sight {
             Sight::Crossing { age, .. } => Some(age),
@@ -39,13 +40,14 @@ impl Seen {
         }
     }
 
-    /// The estimator must be told: the present step's crossing, or that the step before ended without one.
+    /// Returns whether the estimator must get it: the present step's crossing, or a previous step that ended
+    /// without one.
     fn is_news(&self) -> bool {
         self.end != End::Seen || matches!(self.sight, Sight::Crossing { .. } | Sight::Late)
     }
 }
 
-/// A station with its clock, put together as the drive has it. No crossing is ever overdue.
+/// A station with its clock, combined as in the drive. No crossing is ever overdue.
 #[derive(Default)]
 pub(crate) struct Station {
     back_emf: BackEmf,
@@ -53,7 +55,7 @@ pub(crate) struct Station {
 }
 
 impl Station {
-    /// The next tick; the station looks at its sample.
+    /// Runs the next tick; the station evaluates its sample.
     pub(crate) fn step(
         &mut self,
         c: &BackEmfCoefficients,
@@ -66,7 +68,7 @@ impl Station {
         self.look(c, samples, bus_voltage, applied, end)
     }
 
-    /// The next tick; the station looks only if its sample may say something new.
+    /// Runs the next tick; the station evaluates its sample only if that may be new.
     fn step_or_rest(
         &mut self,
         c: &BackEmfCoefficients,
@@ -123,7 +125,7 @@ fn coefficients() -> BackEmfCoefficients {
     }
 }
 
-/// A sector every `interval` (1/65 536 tick), with a back-EMF that is not known.
+/// Operating point with a sector every `interval` (1/65 536 tick), and an unknown back-EMF.
 fn forward(interval: u32) -> OperatingPoint {
     OperatingPoint { torque: Direction::Forward, interval }
 }
@@ -143,7 +145,8 @@ fn terminals(bus: f64, emf: f64, sample_mode: SampleMode) -> Samples {
     Samples { phase_voltage, sample_mode, ..Samples::default() }
 }
 
-/// Runs step AB, whose crossing falls, for a back-EMF `volts` a tick that is 0 at tick `crossing`; what all ticks showed.
+/// Runs step AB, whose crossing falls, for a back-EMF of `volts` per tick that is 0 at tick `crossing`;
+/// returns the observations of all ticks.
 fn fall(
     c: &BackEmfCoefficients,
     bus: f64,
@@ -154,7 +157,7 @@ fn fall(
 ) -> Vec<Seen> {
     let mut station = Station::default();
     let applied = |step| PwmCommand { step, sample_mode: mode, ..PwmCommand::default() };
-    // The step before, so that AB begins at its first tick.
+    // One tick of the previous step, so that AB begins at its first tick.
     let point = forward(interval);
     station.step(c, &terminals(bus, 0.0, mode), raw(bus), &applied(Step::CB), &point);
     (1..40)
@@ -177,7 +180,8 @@ fn crossing(ticks: &[Seen]) -> Option<f64> {
     found.first().copied()
 }
 
-/// On-time, referred to half of the bus as it is: where the crossing lies between two samples does not depend on the supply.
+/// In the on-time the signal is referred to half of the present bus voltage: the interpolated crossing
+/// between two samples does not depend on the supply.
 #[test]
 fn on_time_crossing_is_interpolated_against_half_the_live_bus() {
     for bus in [18.0, 33.0, 60.0] {
@@ -189,7 +193,8 @@ fn on_time_crossing_is_interpolated_against_half_the_live_bus() {
     }
 }
 
-/// Off-time, where a terminal below ground reads 0: the threshold lies above it, and says so.
+/// In the off-time, where a terminal below ground reads 0, the threshold is above zero, and the observation
+/// reports this.
 #[test]
 fn off_time_threshold_is_told() {
     let ticks = fall(&coefficients(), 24.0, 0.4, 8.0, SampleMode::OffTime, 12 << 16);
@@ -199,17 +204,18 @@ fn off_time_threshold_is_told() {
     });
     assert_eq!(told, Some(coefficients().terminal.convert_difference(-2 * NOISE)));
     let found = crossing(&ticks).unwrap();
-    // 2 noises of 3 x 0.4 V a tick.
+    // 2 noise thresholds of 3 x 0.4 V per tick.
     assert!((found - (8.0 - 0.16 / 1.2)).abs() < 0.06, "{found}");
-    // With the slope known, the estimator puts the angle back to within a degree.
+    // With the slope known, the estimator corrects the angle to within a degree.
     assert!(ticks[2].sight == Sight::Before && !ticks[2].found, "{:?}", ticks[2]);
     assert!(ticks[20].sight == Sight::Nothing && ticks[20].found, "{:?}", ticks[20]);
-    // Nor is it one of a crossing that came before anything could be seen.
+    // The same holds for a crossing that came before the first sample.
     let ticks = fall(&coefficients(), 24.0, 0.4, 0.5, SampleMode::OffTime, 12 << 16);
     assert!(ticks.iter().all(|seen| seen.sight == Sight::Nothing && !seen.found), "0 is no evidence");
 }
 
-/// Slow steps are averaged over up to 8 samples: one spike is no crossing, and the mean's delay is taken back.
+/// Slow steps are averaged over up to 8 samples: a single spike is no crossing, and the delay of the mean is
+/// corrected.
 #[test]
 fn a_spike_does_not_outvote_the_window() {
     let c = coefficients();
@@ -231,7 +237,8 @@ fn a_spike_does_not_outvote_the_window() {
     assert!((found[0] - 50.3).abs() < 0.3, "{found:?}");
 }
 
-/// Blanking: max(parameter 86, an eighth of the step), but no more than a quarter.
+/// Samples are blanked for the longer of parameter 86 and an eighth of the step, but for no more than a
+/// quarter of it.
 #[test]
 fn nothing_is_seen_while_blanked() {
     let first = |discard: i32, interval: u32| {
@@ -246,7 +253,8 @@ fn nothing_is_seen_while_blanked() {
     assert_eq!(first(9, 20), 6, "a quarter of 20 ticks");
 }
 
-/// A level that stands beyond the crossing from the start is demagnetisation or a late look, never a crossing.
+/// A level that is beyond the crossing from the start means demagnetisation or a late observation, never a
+/// crossing.
 #[test]
 fn a_crossing_is_healthy_or_late() {
     let ticks = fall(&coefficients(), 24.0, 0.4, 0.5, SampleMode::OnTime, 12 << 16);
@@ -254,8 +262,8 @@ fn a_crossing_is_healthy_or_late() {
     assert_eq!(ticks.iter().filter(|seen| seen.sight == Sight::Late).count(), 1, "told once");
 }
 
-/// Samples that say nothing new need not be told, and hidden ones not be looked at: a station that rests then sees in every other tick what one sees
-/// that looks at all of them, and has missed nothing.
+/// Samples without news may be left out, and hidden ones need no evaluation: a station that rests then gives
+/// in every other tick the result of one that evaluates all of them, and has missed nothing.
 #[test]
 fn a_station_that_rests_is_one_that_looks() {
     let c = coefficients();
@@ -307,7 +315,8 @@ fn a_rotor_that_stops_has_not_crossed() {
     }
 }
 
-/// Comparator edges: to 1/65 536 tick, rising and falling delays apart, two sectors' worth of ticks a sector.
+/// Comparator edges are exact to 1/65 536 tick, with separate delays for rising and falling ones, at sectors
+/// of various lengths.
 #[test]
 fn comparator_edges_with_their_delays() {
     let c = BackEmfCoefficients {
@@ -333,7 +342,7 @@ fn comparator_edges_with_their_delays() {
             station.step(&c, &samples, 0, &applied, &forward(2 << 16))
         };
         tick(before, &[]);
-        // Demagnetisation looks like the level beyond, then the level before shows, then the crossing.
+        // First demagnetisation, which shows the level beyond; then the level before; then the crossing.
         let seen = tick(step, &[edge(9_000, rising), edge(12_000, !rising)]);
         assert_eq!((seen.end, seen.sight), (End::Seen, Sight::Before), "demagnetisation is no crossing");
         let seen = tick(step, &[edge(40_000, rising)]);
@@ -341,17 +350,18 @@ fn comparator_edges_with_their_delays() {
     }
 }
 
-/// A running motor crosses `sector` at 0, `age` before `now`. False if that was too early.
+/// A running motor crosses `sector` at 0, `age` before `now`. Returns false if that was too early.
 fn cross(rotor: &mut ZeroCrossing, now: Instant, sector: u8, age: i32) -> bool {
     rotor.cross(now, sector, (age, 0), Gain::ZERO, false)
 }
 
-/// Feeds crossings at the given times (ticks), one sector each, and returns the estimator and the boundary after the last.
+/// Gives crossings at these times (ticks), one sector each; returns the estimator and the boundary after the
+/// last.
 fn fed(times: &[f64]) -> (ZeroCrossing, Instant) {
     fed_in(Direction::Forward, times)
 }
 
-/// The same for a rotor that turns in `direction`.
+/// Gives crossings as [`fed`] does, for a rotor that turns in `direction`.
 fn fed_in(direction: Direction, times: &[f64]) -> (ZeroCrossing, Instant) {
     let mut rotor = ZeroCrossing::default();
     let mut now = Instant::default();
@@ -387,7 +397,7 @@ fn steady_crossings_give_angle_and_speed_to_a_fraction_of_a_tick() {
         let (rotor, now) = fed(&times);
         let speed = f64::from(rotor.speed()) / 2_f64.powi(32) * 6.0 * interval;
         assert!((speed - 1.0).abs() < 1e-3, "{interval}: {speed}");
-        // Crossing k lies at 60 (k + 1) degrees, the last was number 13.
+        // Crossing k is at 60 (k + 1) degrees; the last was number 13.
         let since = times[13].ceil() - times[13];
         let expected = (14.0 * 60.0 + since / interval * 60.0).rem_euclid(360.0);
         let angle = f64::from(rotor.angle(now)) / 2_f64.powi(32) * 360.0;
@@ -396,8 +406,8 @@ fn steady_crossings_give_angle_and_speed_to_a_fraction_of_a_tick() {
     }
 }
 
-/// A spool-up that gains 4 % a sector: with the trend the next crossing comes within 2 degrees of its prediction; the mean of the last two
-/// intervals alone would be 3.5 degrees late.
+/// In a spool-up that gains 4 % per sector, the trend predicts the next crossing within 2 degrees; the mean
+/// of the last two intervals alone would be 3.5 degrees late.
 #[test]
 fn the_next_interval_is_predicted_with_its_trend() {
     let (mut time, mut interval) = (0.0, 40.0);
@@ -415,7 +425,7 @@ fn the_next_interval_is_predicted_with_its_trend() {
     assert!((expected - interval).abs() < 0.02 * interval, "{expected}, not {interval}");
 }
 
-/// No crossing earlier than half the expected interval.
+/// A crossing earlier than half of the expected interval is rejected.
 #[test]
 fn an_early_crossing_is_filtered() {
     let (mut rotor, mut now) = fed(&steady(20.0, 10));
@@ -427,8 +437,8 @@ fn an_early_crossing_is_filtered() {
     assert_eq!(rotor.why().0, Why::Accepted);
 }
 
-/// Missed crossings are commutated by prediction, named, never counted as crossings, and end in a lost rotor after a budget over which
-/// the voltage fades.
+/// Missed crossings are commutated by prediction, named, never counted as crossings, and end in a lost rotor
+/// after a limited number, over which the voltage fades.
 #[test]
 fn blind_steps_have_a_budget() {
     let (mut rotor, mut now) = fed(&steady(20.0, 10));
@@ -450,7 +460,7 @@ fn blind_steps_have_a_budget() {
     assert!(fades.is_sorted() && fades[0] > 0 && fades[5] >= 12, "{fades:?}");
 }
 
-/// A late crossing is named, brings the angle forward and fades, and does not end the episode.
+/// A late crossing is named, advances the angle, fades the voltage, and does not end the episode.
 #[test]
 fn demagnetisation_that_hides_the_crossing_is_no_restart() {
     let (mut rotor, mut now) = fed(&steady(20.0, 10));
@@ -464,8 +474,8 @@ fn demagnetisation_that_hides_the_crossing_is_no_restart() {
     assert!(rotor.fade() > 0);
 }
 
-/// A rotor that is three times as fast as was thought shows its crossings late for more than a revolution. The next that is seen in time is one of
-/// another revolution: the time since the last one says nothing of the speed.
+/// A rotor three times as fast as estimated shows its crossings late for more than a revolution. The next one
+/// in time belongs to another revolution: the time since the last one gives no speed.
 #[test]
 fn a_revolution_of_late_crossings_is_measured_anew() {
     const SLOW: f64 = 30.0;
@@ -500,7 +510,8 @@ fn a_rotor_that_has_not_crossed_is_not_commutated() {
     assert!((angle - 300.0).abs() < 0.1, "the middle of sector 4: {angle}");
 }
 
-/// A rotor of which nothing is known yet shows a level that comes too late, or a threshold that is not at 0: neither makes a speed.
+/// From a rotor without a known speed, neither a level that comes too late nor a threshold that is not at 0
+/// gives a speed.
 #[test]
 fn nothing_is_made_of_a_first_sign() {
     let back_emf = Gain::from_ratio(1 << 16, 1).unwrap_or(Gain::ZERO);
@@ -517,7 +528,7 @@ fn nothing_is_made_of_a_first_sign() {
     }
 }
 
-/// An estimator that nobody asks is in every tick where one is that is brought to each, for however long.
+/// An estimator that is not run is in every tick in the state of one that is run in each, for any time.
 #[test]
 fn time_passes_for_an_estimator_that_nobody_asks() {
     for (interval, direction) in [2.17, 20.0, 300.3]
@@ -526,7 +537,7 @@ fn time_passes_for_an_estimator_that_nobody_asks() {
     {
         let (rotor, mut now) = fed_in(direction, &steady(interval, 10));
         let (sleeps, mut looks) = (rotor, rotor);
-        // Longer than the time since a crossing can tell.
+        // Longer than the time since a crossing that can be represented.
         for tick in 0..70_000 {
             now = now.next();
             looks.pass(now);
@@ -541,7 +552,8 @@ fn time_passes_for_an_estimator_that_nobody_asks() {
     }
 }
 
-/// Until a crossing is overdue its absence says nothing, and until the time-out the silence does not: the deadlines are early, never late.
+/// Until a crossing is overdue its absence means nothing, and until the time-out silence does not: the
+/// deadlines are early, never late.
 #[test]
 fn what_does_not_come_is_told_in_its_tick() {
     for (interval, direction) in [4.6, 20.0, 300.3]
@@ -595,7 +607,7 @@ fn intervals_that_jump_by_half_are_a_desynchronisation() {
     assert!(fed(&times).0.is_irregular());
 }
 
-/// A coasting motor's terminals: place and direction of the rotor, both ways.
+/// The terminals of a coasting motor give angle and direction of the rotor, in both directions.
 #[test]
 fn a_coasting_motor_is_heard_both_ways() {
     for (sign, direction) in [(1.0, Direction::Forward), (-1.0, Direction::Reverse)] {
@@ -624,7 +636,8 @@ fn a_coasting_motor_is_heard_both_ways() {
     }
 }
 
-/// Samples that say nothing new need not be told: a listener that rests then is in every tick as one that looks at all of them.
+/// Samples without news may be left out: a listener that rests then is in every tick in the state of one that
+/// evaluates all of them.
 #[test]
 fn a_listener_that_rests_is_one_that_looks() {
     let (mut rested, mut heard) = (0, 0);
@@ -632,7 +645,8 @@ fn a_listener_that_rests_is_one_that_looks() {
         let (mut sleeps, mut looks) = (Listening::default(), Listening::default());
         let mut now = Instant::default();
         for tick in 0..3_000 {
-            // It coasts down until nothing is heard any more, and where a terminal reads too much one is always the highest.
+            // It coasts down until there is no signal, and if a terminal reads too much it is always the
+            // highest.
             let fades = 1.0 - f64::from(tick) / 2_500.0;
             let angle = 77.0 + sign * 1_500.0 * (1.0 - fades * fades);
             let emf = |phase: f64| sign * 2.0 * fades.max(0.0) * (angle - 120.0 * phase).to_radians().sin();
@@ -671,7 +685,7 @@ fn a_motor_at_rest_is_quiet() {
     assert!(!listening.is_turning() && listening.quiet(now) >= 90);
 }
 
-/// A converter's offset makes one terminal the highest for ever: that is loud, and still.
+/// An offset of the converter makes one terminal permanently the highest: that is a signal, but no rotation.
 #[test]
 fn an_offset_is_no_rotation() {
     let mut listening = Listening::default();
@@ -683,7 +697,8 @@ fn an_offset_is_no_rotation() {
     assert!(!listening.is_turning() && listening.quiet(now) == 0 && listening.still(now) >= 90);
 }
 
-/// Two ticks a sector: the commutation was taken at the end of the period in whose beginning the crossing before it came.
+/// At two ticks per sector the commutation was taken at the end of the period in whose beginning the crossing
+/// before it came; that edge counts.
 #[test]
 fn an_edge_before_the_commutation_of_its_period_counts() {
     let c = BackEmfCoefficients { comparator: true, discard: 0, ..coefficients() };
@@ -703,7 +718,7 @@ fn an_edge_before_the_commutation_of_its_period_counts() {
     let seen = tick(Step::AB, Some(Step::AC), &[edge(6_000, 0)]);
     let sector = Step::AB.sector().unwrap();
     assert_eq!(seen.end, End::Crossing { sector, age: 65_536 - 6_000 });
-    // The new step's own crossing is still to come.
+    // The new step's own crossing has not come yet.
     assert_eq!((seen.sector, seen.found), (Step::AC.sector(), false));
 }
 
@@ -725,7 +740,8 @@ fn the_bucket_leaks() {
     assert_eq!(rails.fault(), Some(Cause::WrongLock));
 }
 
-/// Applied voltage against k omega: a motor that is believed at the wrong speed is found, a hot or cold one under load is not.
+/// The applied voltage is compared with k omega: a lock at a wrong speed is found; a hot or cold motor under
+/// load is not reported.
 #[test]
 fn a_stable_wrong_lock_is_found_by_its_voltage() {
     let one = |numerator, denominator| Gain::from_ratio(numerator, denominator).unwrap();
@@ -743,11 +759,11 @@ fn a_stable_wrong_lock_is_found_by_its_voltage() {
         }
         assert!(judge(0.5, 0.1, current, 50.0, 100.0), "twice the speed is claimed");
     }
-    // What a hot winding could take at a high current is not held against the motor.
+    // The voltage that a hot winding could take at a high current is allowed.
     assert!(judge(0.5, 0.1, 2.0, 100.0, 50.0), "half the speed is claimed");
 }
 
-/// A motor of which neither constant is known cannot be contradicted by its voltage.
+/// A motor of which neither constant is known has no wrong lock, because its voltage contradicts nothing.
 #[test]
 fn without_constants_no_lock_is_wrong() {
     let one = Gain::from_ratio(1, 10).unwrap();

@@ -1,4 +1,5 @@
-//! The bus current's zero: found while the bridge is off, again and again, and never taken for what really flows.
+//! Tests of the bus current's zero: it is found while the bridge is off, again and again, and never from a
+//! real current.
 
 use crate::bench::Closed;
 use crate::robustness::config;
@@ -6,10 +7,10 @@ use narx_core::dictionary::number;
 use narx_core::motor::{Request, State};
 use narx_sim::plant::{Injection, LoadConfig};
 
-/// In Standby the mean of 1024 ticks has settled to a thousandth.
+/// Ticks after which, in Standby, the mean of 1024 ticks has settled to a thousandth.
 const SETTLED: u64 = 8 * 1024;
 
-/// Mean bus current over 20 ms, A, as soon as the drive's filter has followed: as the drive publishes it, and as it is.
+/// Mean bus current over 20 ms, A, once the drive's filter has settled: the published and the true value.
 fn mean_current(closed: &mut Closed) -> (f64, f64) {
     closed.run(640);
     let mut sum = (0.0, 0.0);
@@ -26,8 +27,9 @@ fn assert_shows(closed: &mut Closed, amps: f64, when: &str) {
     assert!((shown - amps).abs() < 0.015, "{when}: {shown} A, not {amps}");
 }
 
-/// Something behind the shunt takes 0.22 A while the drive boots, and is mended then. Kept, the zero of that moment would hold the current limit of a
-/// small motor at no duty at all, for ever and without a fault.
+/// If a load behind the shunt takes 0.22 A while the drive boots, and is removed then, the zero is found anew
+/// in Standby. If it were kept, the zero of that moment would hold the current limit of a small motor at no
+/// duty at all, permanently and without a fault.
 #[test]
 fn a_zero_that_was_wrong_at_power_up_is_found_anew_in_standby() {
     let mut closed = Closed::new(&config(24.0), &[]);
@@ -38,7 +40,7 @@ fn a_zero_that_was_wrong_at_power_up_is_found_anew_in_standby() {
     closed.plant.clear(leak);
     closed.run(SETTLED);
     assert_shows(&mut closed, 0.0, "mended");
-    // While it drives, the zero stays: what comes now is a current.
+    // While it drives, the zero is kept: a reading is a current.
     closed.ask(Request::Drive);
     closed.run(16_000);
     let (before, _) = mean_current(&mut closed);
@@ -47,7 +49,7 @@ fn a_zero_that_was_wrong_at_power_up_is_found_anew_in_standby() {
     assert_shows(&mut closed, before + 0.22, "a leak while it drives");
 }
 
-/// Parameter 13 is added to what is measured, and stays so: it is no offset of the channel that could be found.
+/// Parameter 13 is added to the measurement, and stays so: it does not count as an offset of the channel.
 #[test]
 fn what_parameter_13_adds_is_never_taken_for_the_zero() {
     for milliamperes in [-700, -120, 120, 700] {
@@ -67,7 +69,8 @@ fn what_parameter_13_adds_is_never_taken_for_the_zero() {
     }
 }
 
-/// A battery sags under a motor that coasts, which feeds it through the diodes then. That is no zero: who drives on at once reads what flows.
+/// A coasting motor feeds a battery whose voltage sags through the diodes. This current is no zero: a drive
+/// that starts again at once reads the true current.
 #[test]
 fn what_a_coasting_motor_feeds_back_is_no_zero() {
     let mut config = config(24.0);

@@ -1,4 +1,4 @@
-//! State machine, faults and protection again, in a drive that turns a motor: for what `machine` leaves.
+//! State machine, faults and protection in a drive that turns a motor: for mutants that survive `machine`.
 #![allow(dead_code)]
 
 #[path = "../motor/bench.rs"]

@@ -1,4 +1,4 @@
-//! The messages of eddyCAN.
+//! Tests of the messages of eddyCAN.
 #![allow(dead_code)]
 
 #[path = "../eddycan/bench.rs"]

@@ -1,1 +1,1 @@
-//! Nothing: the programs beside it are the tests of `cargo xtask mutants`.
+//! An empty library: the programs beside it are the tests of `cargo xtask mutants`.

@@ -1,4 +1,4 @@
-//! State machine, faults and protection.
+//! Tests of state machine, faults and protection.
 #![allow(dead_code)]
 
 #[path = "../motor/acknowledgement.rs"]

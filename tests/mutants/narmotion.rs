@@ -1,4 +1,4 @@
-//! Frames, candump and the words of NarMotion-X.
+//! Tests of frames, candump and the words of NarMotion-X.
 #![allow(dead_code)]
 
 #[path = "../protocol/bench.rs"]

@@ -1,4 +1,4 @@
-//! Storage.
+//! Tests of the storage.
 #![allow(dead_code)]
 
 #[path = "../storage/bulk.rs"]

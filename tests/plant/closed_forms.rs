@@ -1,4 +1,4 @@
-//! Transients whose solution is a line of algebra.
+//! Tests of transients with a closed solution.
 
 use narx_core::motor::{Board, PwmCommand, Rectification, Step};
 use narx_core::units::Duty;
@@ -85,13 +85,13 @@ fn viscous_friction_slows_exponentially_coulomb_linearly_a_fan_hyperbolically() 
 fn coulomb_friction_stops_the_shaft_and_holds_it() {
     let motor = MotorConfig { inertia: 1e-4, static_friction: 0.05, ..MotorConfig::default() };
     let mut plant = Plant::new(&PlantConfig { speed: 10.0, ..config(motor) });
-    // Stops after J w / T = 20 ms, having turned w^2 J / (2 T) = 0.1 rad.
+    // Stops after J w / T = 20 ms, after a way of w^2 J / (2 T) = 0.1 rad.
     run(&mut plant, &PwmCommand::default(), 199);
     assert!(plant.observe().speed > 0.0);
     run(&mut plant, &PwmCommand::default(), 2);
     assert_eq!(plant.observe().speed, 0.0);
     assert!((plant.observe().angle - 0.1).abs() < 1e-6, "{} rad", plant.observe().angle);
-    // A torque below friction moves nothing at all; one above does: 0.033 N m at 1.8 % duty, 0.17 N m at 9 %.
+    // A torque below friction moves nothing; one above it does: 0.033 N m at 1.8 % duty, 0.17 N m at 9 %.
     let at = |bits| PwmCommand {
         duty: Duty::from_bits(bits),
         rectification: Rectification::Synchronous,
@@ -117,8 +117,8 @@ fn demagnetisation_takes_what_the_freewheeling_loop_says() {
     let start = plant.observe();
     let current = -start.current[1];
     assert!(current > 5.0);
-    // B's current goes on through its high-side diode: A and B at the bus, C low. Its driving voltage is
-    // (v + 2 drop) / 3 and it falls with L / R of one phase.
+    // B's current continues through its high-side diode: A and B at the bus, C low. Its driving voltage is
+    // (v + 2 drop) / 3, and it falls with L / R of one phase.
     let (r, l) = (0.5 * motor.resistance + RON, 0.5 * motor.inductance);
     let drive = (start.bus_voltage + 2.0 * DROP) / 3.0;
     let expected = l / r * (1.0 + current * r / drive).ln();
@@ -128,11 +128,11 @@ fn demagnetisation_takes_what_the_freewheeling_loop_says() {
         let now = plant.observe().current[1];
         assert!(now <= 0.0, "the diode does not conduct backwards: {now} A");
         if now == 0.0 {
-            // The last bit falls on a straight line.
+            // At its end the current falls along a straight line.
             let slope = drive / l;
             let time = (f64::from(k) - 1.0) * 1e-6 - before / slope;
             assert!((time - expected).abs() < 2e-8, "{time} s, expected {expected} s");
-            // CONTROL's rule of thumb for it: 1.5 L I / V.
+            // CONTROL's rule of thumb for the time: 1.5 L I / V.
             assert!((time / (1.5 * motor.inductance * current / 24.0) - 1.0).abs() < 0.15);
             return;
         }
@@ -144,8 +144,8 @@ fn demagnetisation_takes_what_the_freewheeling_loop_says() {
 #[test]
 fn a_motor_turned_faster_than_the_supply_pumps_the_bus_through_its_diodes() {
     let motor = MotorConfig { back_emf: BackEmf::Sinusoidal, inertia: 1.0, ..MotorConfig::default() };
-    // The capacitor fills to the line-to-line peak less two drops; from far below, the inductance swings it a little
-    // above.
+    // The capacitor charges to the line-to-line peak less two drops; from far below, the inductance
+    // overshoots a little.
     for (may_sink, speed, swing) in
         [(false, 690.0, 0.15), (false, 800.0, 0.15), (false, 600.0, 0.0), (true, 800.0, 0.0)]
     {

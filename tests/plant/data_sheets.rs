@@ -1,4 +1,4 @@
-//! Every preset reaches the operating points that its maker prints.
+//! Tests that every preset reaches the operating points of its data sheet.
 
 use crate::driving::Ideal;
 use narx_core::motor::Rectification;
@@ -6,18 +6,19 @@ use narx_sim::plant::{LoadConfig, Plant, PlantConfig};
 use narx_sim::presets::PRESETS;
 use std::f64::consts::PI;
 
-/// Printed speeds and currents of the maxon motors are typical values; the plant adds 0.04 ohm of switches and,
-/// for a sinusoidal motor, the ripple of block commutation. The rated points of the flat motors are thermal limits
-/// that lie beside the straight line through the no-load point, hence their wider tolerance. Windings are at 25
-/// degrees Celsius.
+/// Tolerances. Published speeds and currents of the maxon motors are typical values; the plant adds 0.04 ohm
+/// of switches and, for a sinusoidal motor, the ripple of block commutation. The rated points of the flat
+/// motors are thermal limits beside the straight line through the no-load point, hence their wider tolerance.
+/// Windings are at 25 degrees Celsius.
 const NO_LOAD_SPEED: f64 = 0.01;
 const NO_LOAD_CURRENT: f64 = 0.05;
 const RATED_SPEED: f64 = 0.05;
 const RATED_CURRENT: f64 = 0.03;
 
-/// Motors whose printed rated point is one that they bear, not the one that they reach at full voltage and 25 degrees
-/// Celsius: 3980 rpm of the first would take 5.6 V in 0.46 ohm at 3.33 A. It must be within reach. Of the last
-/// only the torque is printed; its rated current is an estimate, 10 % above the plant's.
+/// Motors whose published rated point is a thermal rating, not the point that they reach at full voltage and
+/// 25 degrees Celsius: 3980 rpm of the first would take 5.6 V in 0.46 ohm at 3.33 A. The point must be within
+/// reach. Of the last motor only the torque is published; its rated current is an estimate, 10 % above the
+/// plant's.
 const RATED_BY_HEAT: [&str; 5] =
     ["4221g018bxth-18v", "4221g024bxth-24v", "qbl5704-36v", "bldc-1-25-058-201-24v", "ec-i40-100w-48v"];
 
@@ -39,7 +40,7 @@ fn every_preset_reaches_its_no_load_point() {
 fn every_preset_reaches_its_rated_point() {
     for preset in &PRESETS {
         let data = &preset.data;
-        // Without a printed torque: what the rated current gives.
+        // Without a published torque: the torque of the rated current.
         let friction = 2.0 * preset.motor.static_friction;
         let by_current = preset.motor.torque_constant * data.rated_current.unwrap_or(0.0) - friction;
         let torque = data.rated_torque.unwrap_or(by_current);
@@ -67,7 +68,7 @@ fn every_figure_of_a_preset_has_a_source_or_an_estimate() {
         assert!(!preset.sources.is_empty() && !preset.estimates.is_empty(), "{}", preset.name);
         assert_eq!(narx_sim::presets::preset(preset.name), Some(preset));
         let motor = &preset.motor;
-        // The friction is what the no-load current says, printed or estimated.
+        // The friction follows from the no-load current, published or estimated.
         let rpm = preset.data.no_load_speed.or(preset.data.rated_speed);
         let rpm = rpm.unwrap_or_else(|| preset.data.nominal_voltage / motor.torque_constant * 30.0 / PI);
         let torque = motor.static_friction + motor.viscous_friction * rpm * PI / 30.0;
@@ -77,7 +78,7 @@ fn every_figure_of_a_preset_has_a_source_or_an_estimate() {
             _ => 0.08 * preset.data.rated_current.unwrap(),
         });
         assert!((current / printed - 1.0).abs() < 0.01, "{}: {current} A", preset.name);
-        // Mechanical time constant J R / k^2 within what such motors have.
+        // The mechanical time constant J R / k^2 is typical of such motors.
         let time = motor.inertia * motor.resistance / motor.torque_constant.powi(2);
         assert!((0.0005..0.05).contains(&time), "{}: {time} s", preset.name);
     }

@@ -1,28 +1,28 @@
-//! Open-loop commutation from the rotor's true angle: what an ideal drive would do.
+//! Open-loop commutation from the rotor's true angle, as an ideal drive would do it.
 
 use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::motor::{Commutation, Commutations, Direction, PwmCommand, Rectification, SampleMode, Step};
 use narx_core::units::{Duty, ElectricalAngle};
 use narx_sim::plant::{Observation, Plant};
 
-/// How to drive.
+/// An ideal drive.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ideal {
     /// Duty, 0..=1.
     pub(crate) duty: f64,
-    /// Which way.
+    /// Direction of rotation.
     pub(crate) direction: Direction,
     /// Freewheeling.
     pub(crate) rectification: Rectification,
 }
 
 impl Ideal {
-    /// Forward at `duty`.
+    /// A drive forward at `duty`.
     pub(crate) fn forward(duty: f64) -> Self {
         Self { duty, direction: Direction::Forward, rectification: Rectification::Synchronous }
     }
 
-    /// One period with `step`, the same duty and no commutation.
+    /// Command for one period with `step`, the same duty and no commutation.
     pub(crate) fn hold(&self, step: Step) -> PwmCommand {
         PwmCommand {
             duty: Duty::from_bits((self.duty * 32_768.0) as u16),
@@ -34,7 +34,7 @@ impl Ideal {
         }
     }
 
-    /// The command for the rest of this period and the beginning of the next, until the next command can act.
+    /// Command for the rest of this period and the beginning of the next, until the next command can act.
     pub(crate) fn command(&self, seen: &Observation, plant: &Plant) -> PwmCommand {
         let board = plant.config().board;
         let period = 1.0 / f64::from(board.tick_rate);
@@ -61,7 +61,7 @@ impl Ideal {
         command
     }
 
-    /// Runs `seconds`.
+    /// Runs for `seconds`.
     pub(crate) fn run(&self, plant: &mut Plant, seconds: f64) {
         let ticks = (seconds * f64::from(plant.config().board.tick_rate)).round() as u64;
         for _ in 0..ticks {

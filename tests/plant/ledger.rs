@@ -1,4 +1,4 @@
-//! Energy: what the source gives is lost, delivered or stored, to 0.1 %.
+//! Tests of the energy balance: the source's energy is lost, delivered or stored, to 0.1 %.
 
 use crate::driving::Ideal;
 use narx_core::motor::{Direction, PwmCommand, Rectification, Step};
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 enum Stretch {
     /// Ideal commutation.
     Commutated { duty: f64, forward: bool, synchronous: bool },
-    /// Something breaks or is mended; the bridge goes on as before.
+    /// A fault begins or ends; the bridge goes on as before.
     Broken { what: Injection, active: bool },
     /// Any step, held.
     Held { step: usize, duty: f64, synchronous: bool },

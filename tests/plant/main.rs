@@ -1,4 +1,4 @@
-//! The plant against closed forms, an independent integrator, ngspice and data sheets.
+//! Tests of the plant against closed forms, an independent integrator, ngspice and data sheets.
 
 mod closed_forms;
 mod data_sheets;

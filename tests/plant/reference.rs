@@ -1,6 +1,7 @@
-//! The plant against an integrator that shares nothing with it: no states of diodes, no decoupled circuit, no
-//! closed forms. Each leg is one current-voltage curve (a switch, or two diodes and a megohm), the star point's
-//! voltage is found by Newton's method at every step, and time goes on in backward Euler steps of nanoseconds.
+//! Tests of the plant against an integrator that shares nothing with it: no states of diodes, no decoupled
+//! circuit, no closed forms. Each leg is one current-voltage curve (a switch, or two diodes and a megohm),
+//! the star point's voltage is found by Newton's method at every step, and time goes on in backward Euler
+//! steps of nanoseconds.
 
 use crate::driving::Ideal;
 use narx_core::motor::{Commutation, Leg, PwmCommand, Rectification, Step};
@@ -18,7 +19,7 @@ enum Gate {
     Low,
 }
 
-/// What the gates do, from the commands alone.
+/// States of the gates, from the commands alone.
 struct Timing<'a> {
     commands: &'a [PwmCommand],
     period: f64,
@@ -27,12 +28,12 @@ struct Timing<'a> {
 }
 
 impl Timing<'_> {
-    /// All switching instants and the gates from each on, with the dead time in.
+    /// All switching instants with the gates after each, including the dead time.
     fn edges(&self) -> Vec<(f64, [Gate; 3])> {
         let mut raw: Vec<(f64, [Gate; 3])> = Vec::new();
         let none = PwmCommand::default();
         for (k, command) in self.commands.iter().enumerate() {
-            // Duty and rectification come from the command before, the step until `earliest` too.
+            // Duty and rectification come from the previous command, and so does the step until `earliest`.
             let latched = if k == 0 { &none } else { &self.commands[k - 1] };
             let half_on = 0.5 * f64::from(latched.duty.to_bits()) / 32_768.0;
             let mut steps = vec![(0.0, last_step(latched))];
@@ -57,7 +58,7 @@ impl Timing<'_> {
         self.with_dead_time(&raw)
     }
 
-    /// Turning on after the other switch waits until the dead time since that one's turning off has passed.
+    /// Delays each turning-on until the dead time has passed since the other switch of the leg turned off.
     fn with_dead_time(&self, raw: &[(f64, [Gate; 3])]) -> Vec<(f64, [Gate; 3])> {
         let mut changes: Vec<(f64, usize, Gate)> = Vec::new();
         for leg in 0..3 {
@@ -123,14 +124,15 @@ impl Reference<'_> {
                 BackEmf::Sinusoidal => motor.torque_constant * PI / 3.0 / 3f64.sqrt() * x.sin(),
                 BackEmf::Trapezoidal { flat_top_deg } => {
                     assert_eq!(flat_top_deg, 120.0);
-                    // A triangle wave three times too high, cut off at 1: asin(sin x) is a triangle.
+                    // A triangle wave with three times the amplitude, clipped at 1: asin(sin x) is a
+                    // triangle.
                     (x.sin().asin() * 6.0 / PI).clamp(-1.0, 1.0) * 0.5 * motor.torque_constant
                 }
             }
         })
     }
 
-    /// Current and d(current)/d(neutral) of a phase one step of `dt` later, for a guess of the neutral.
+    /// Current, and d(current)/d(neutral), of a phase one step of `dt` later, for an estimate of the neutral.
     fn phase(&self, gate: Gate, i: f64, emf: f64, dt: f64) -> (f64, f64) {
         let motor = &self.config.motor;
         let inverter = &self.config.inverter;
@@ -237,7 +239,8 @@ fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<([f6
     ends
 }
 
-/// RMS difference of all phase currents over 100 ms, in parts of `rated`; the reference may have another `truth`.
+/// RMS difference of all phase currents over 100 ms, as a share of `rated`; the reference may have another
+/// plant, `truth`.
 fn difference(config: &PlantConfig, truth: &PlantConfig, ideal: Ideal, rated: f64, dt: f64) -> f64 {
     let mut plant = Plant::new(config);
     let mut commands = Vec::new();
@@ -255,7 +258,7 @@ fn difference(config: &PlantConfig, truth: &PlantConfig, ideal: Ideal, rated: f6
     let mut doubt = 0.0;
     for (seen, (coarse, fine)) in currents.iter().zip(coarse.iter().zip(&fine)) {
         for (amp, (coarse, fine)) in seen.iter().zip(coarse.0.iter().zip(fine.0)) {
-            // Backward Euler's error is of first order: two runs extrapolate it away.
+            // The error of backward Euler is of first order: extrapolation from two runs removes it.
             let exact = 2.0 * fine - coarse;
             squares += (amp - exact).powi(2);
             doubt += (fine - exact).powi(2);
@@ -309,8 +312,8 @@ fn the_comparison_notices_a_small_error() {
     }
 }
 
-/// The largest differences of any phase current and of the bus voltage at the ends of all periods, A and V, and in how many
-/// of them the bus stands above its source.
+/// Largest differences of any phase current and of the bus voltage at the ends of all periods, A and V, and
+/// the number of periods in which the bus is above its source.
 fn largest(
     config: &PlantConfig,
     periods: usize,
@@ -339,8 +342,9 @@ fn largest(
     (amps, volts, above)
 }
 
-/// A source that takes nothing back, and a motor that feeds the bus again and again: what it returns stays in the capacitor until it
-/// is drawn again. Less duty for a while lets the synchronous bridge return energy, more draws it; commutation returns some too.
+/// The plant agrees with the reference while the motor feeds the bus again and again, with a source that
+/// takes nothing back: returned energy stays in the capacitor until it is drawn again. A lower duty lets the
+/// synchronous bridge return energy for a while, a higher one draws it; commutation returns some too.
 #[test]
 fn agrees_with_the_reference_while_the_motor_feeds_the_bus() {
     for (name, duty, swing) in [("bly172s-24v", 0.5, 0.02), ("bldc-1-25-058-201-24v", 0.3, 0.03)] {
@@ -349,7 +353,7 @@ fn agrees_with_the_reference_while_the_motor_feeds_the_bus() {
         let mut config = PlantConfig::new(motor, 60.0);
         config.inverter.own_conductance = 0.0;
         config.load.inertia = 4.0 * motor.inertia;
-        // About the speed at which the middle duty holds the motor.
+        // About the speed that the motor has at the middle duty.
         config.speed = 0.96 * duty * 60.0 / motor.torque_constant;
         let (amps, volts, above) = largest(&config, 600, |k, plant| {
             let swing = if k / 5 % 2 == 0 { swing } else { -swing };
@@ -361,7 +365,8 @@ fn agrees_with_the_reference_while_the_motor_feeds_the_bus() {
     }
 }
 
-/// A commutation in the very instant in which the on-time ends: the leg that it leaves turns off although another one changes sides.
+/// The plant agrees with the reference for a commutation in the very instant at which the on-time ends: the
+/// leg that it leaves turns off although another one switches.
 #[test]
 fn agrees_with_the_reference_where_a_commutation_meets_an_edge() {
     let preset = preset("bly172s-24v").unwrap();

@@ -1,4 +1,4 @@
-//! Hall lines, their edges and wirings; converter codes; and that everything injected shows.
+//! Tests of hall lines, their edges and wirings, of converter codes, and of the effect of every injection.
 
 use crate::driving::sector_at;
 use narx_core::motor::{Board, Edge, EdgeSource, FrontEnd, Lines, PwmCommand, Samples, Step};
@@ -9,10 +9,10 @@ use narx_sim::plant::{
 use narx_sim::random::Random;
 use std::f64::consts::TAU;
 
-/// Code of each sector: A; A and B; B; B and C; C; C and A.
+/// Hall code of each sector: A; A and B; B; B and C; C; C and A.
 const CODES: [u8; 6] = [1, 3, 2, 6, 4, 5];
 
-/// Coasts at constant speed (rad/s).
+/// Plant that coasts at constant speed (rad/s).
 fn coasting(speed: f64, hall: HallConfig) -> PlantConfig {
     let motor = MotorConfig { inertia: 1e3, ..MotorConfig::default() };
     let inverter = InverterConfig { own_conductance: 0.0, ..InverterConfig::default() };
@@ -53,7 +53,7 @@ fn edges_are_stamped_where_the_rotor_passes() {
                 before = *code;
                 let periods = (samples.tick - 1) as f64 + f64::from(*instant) / 65_536.0;
                 let angle = 40.0 + degrees_per_period * periods;
-                // Both edges of a sensor repeat every 180 degrees, sensors lie 120 apart.
+                // Both edges of a sensor repeat every 180 degrees; sensors are 120 degrees apart.
                 let place = -30.0 + 120.0 * sensor as f64 + offset_deg + placement_deg[sensor];
                 let off = (angle - place + 90.0).rem_euclid(180.0) - 90.0;
                 assert!(off.abs() < degrees_per_period.abs() / 30_000.0 + 1e-9, "{off} degrees off");
@@ -67,7 +67,7 @@ fn edges_are_stamped_where_the_rotor_passes() {
 
 #[test]
 fn edges_beyond_four_are_counted() {
-    // 1.5 electrical revolutions a period: nine edges.
+    // 1.5 electrical revolutions per period: nine edges.
     let mut plant = Plant::new(&coasting(1.5 * 10_000.0 * TAU / 4.0, HallConfig::default()));
     plant.inject(Injection::OpenPhase(Phase::A));
     plant.inject(Injection::OpenPhase(Phase::B));
@@ -158,7 +158,7 @@ fn codes_follow_voltages_and_current() {
         let expected = code(seen.terminal[x].max(0.0), scale.phase_voltage.micro_per_code);
         assert_eq!(samples.phase_voltage[x], expected, "phase {x}");
     }
-    // 60 A are beyond the converter.
+    // 60 A are beyond the converter's range.
     assert_eq!(samples.bus_current, FrontEnd::CODE_MAX);
     plant.finish_period(&PwmCommand::default());
     for _ in 0..100 {
@@ -213,7 +213,7 @@ fn everything_injected_shows_and_clears() {
         let seen = settle(&mut plant);
         assert!((seen - broken).abs() < 1e-6, "{injection:?}: {seen}");
         plant.clear(injection);
-        // A bus that was pumped up stays so without a load; everything else comes back.
+        // A bus that was raised stays so without a load; everything else returns.
         if !matches!(injection, Injection::Supply(_)) {
             let seen = settle(&mut plant);
             assert!((seen - healthy).abs() < 1e-6, "{injection:?} after: {seen}");
@@ -264,7 +264,8 @@ fn comparators_see_the_zero_crossings_late_by_delay_and_hysteresis() {
     config.board.hall_capture = false;
     let mut plant = Plant::new(&PlantConfig { comparator, ..config });
     let degrees_per_second = speed * 4.0 / TAU * 360.0;
-    // On the flank, 1/30 of the peak a degree; the mean of three trapezoids takes a third of it, turned around.
+    // On the flank the slope is 1/30 of the peak per degree; the mean of three trapezoids takes a third of
+    // it, with the opposite sign.
     let peak = 0.5 * 0.036 * speed;
     let late = 0.5 * hysteresis / (peak / 30.0 * 2.0 / 3.0) + degrees_per_second * delay;
     let mut worst = 0.0f64;
@@ -286,7 +287,7 @@ fn comparators_see_the_zero_crossings_late_by_delay_and_hysteresis() {
     assert!(worst < 0.05, "{worst} degrees off");
 }
 
-/// Noise is as long in the tails as it should be, and what comes of one draw is independent of each other and of what comes later.
+/// Noise has the right tails, and each value of a draw is independent of the others and of later draws.
 #[test]
 fn noise_is_gaussian_and_white() {
     const COUNT: usize = 4_000_000;
@@ -297,13 +298,14 @@ fn noise_is_gaussian_and_white() {
     let (third, fourth) = (mean_of(&|x| x.powi(3)), mean_of(&|x| x.powi(4)));
     let beyond = [1.0, 2.0, 3.0, 4.0].map(|edge| mean_of(&|x| f64::from(u8::from(x.abs() > edge))));
     println!("mean {mean:.1e}, square {square:.5}, third {third:.1e}, fourth {fourth:.4}, beyond {beyond:?}");
-    // Three standard errors of so many samples: 1.5e-3 of the mean, 2.1e-3 of the square.
+    // Three standard errors of this number of samples: 1.5e-3 of the mean, 2.1e-3 of the square.
     assert!(mean.abs() < 1.5e-3 && (square - 1.0).abs() < 2.1e-3 && third.abs() < 6e-3);
     assert!((fourth - 3.0).abs() < 0.12);
     for (found, gaussian) in beyond.into_iter().zip([0.3173, 0.0455, 2.7e-3, 6.33e-5]) {
         assert!((0.3..1.1).contains(&(found / gaussian)), "{found:.2e} instead of {gaussian:.2e}");
     }
-    // At odd distances from one half of a draw to the other, at even ones within a half; five samples make a tick.
+    // Odd lags go from one half of a draw to the other, even ones stay within a half; five samples make a
+    // tick.
     for lag in (1..=12).chain([5 * 7, 5 * 128]) {
         let product =
             samples.iter().zip(&samples[lag..]).map(|(x, y)| x * y).sum::<f64>() / (COUNT - lag) as f64;

@@ -1,7 +1,7 @@
-//! One commutation with demagnetisation and dead time against ngspice.
+//! Test of one commutation with demagnetisation and dead time against ngspice.
 //!
-//! `spice/commutation.cir` and its output `spice/commutation.txt` are committed. With `NARX_SPICE=1` the test writes
-//! the netlist anew and runs ngspice (Debian's 39 made the committed output) before it compares.
+//! `spice/commutation.cir` and its output `spice/commutation.txt` are committed. With `NARX_SPICE=1` the test
+//! writes the netlist anew and runs ngspice (Debian's 39 made the committed output) before it compares.
 
 use narx_core::motor::{Board, PwmCommand, Rectification, Step};
 use narx_core::units::Duty;
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Whole scenario and the instant of the commutation AB -> AC, us.
+/// Length of the scenario, and instant of the commutation AB -> AC, us.
 const END: usize = 800;
 const COMMUTATION: usize = 415;
 /// PWM: on until 30 and from 70 of every 100 us; 2 us dead time.
@@ -24,7 +24,7 @@ fn config() -> PlantConfig {
     let motor = MotorConfig { back_emf: BackEmf::Sinusoidal, inertia: 1e6, ..MotorConfig::default() };
     let mut config = PlantConfig::new(motor, 24.0);
     config.inverter.own_conductance = 0.0;
-    // Ticks of 1 us: the PWM is played by the commands, and every microsecond can be looked at.
+    // Ticks of 1 us: the commands generate the PWM, and every microsecond can be observed.
     let dead_time_ns = 1000 * DEAD_TIME as u16;
     config.board = Board { tick_rate: 1_000_000, earliest: 0, dead_time_ns, ..Board::BENCH };
     config.supply.may_sink = true;
@@ -37,7 +37,7 @@ fn on_at(t: usize) -> bool {
     !(ON_UNTIL..ON_FROM).contains(&(t % 100))
 }
 
-/// Currents, star point's neighbours and bus at every microsecond: i_a i_b i_c v_b v_c v_bus.
+/// Currents, terminals B and C, and bus at every microsecond: i_a i_b i_c v_b v_c v_bus.
 fn plant() -> Vec<[f64; 6]> {
     let mut plant = Plant::new(&config());
     let command = |t: usize| PwmCommand {
@@ -46,7 +46,7 @@ fn plant() -> Vec<[f64; 6]> {
         step: if t < COMMUTATION { Step::AB } else { Step::AC },
         ..PwmCommand::default()
     };
-    // The duty of the first tick comes from a tick before it, with all switches off.
+    // A tick with all switches off comes first, because the duty of a tick comes from the tick before it.
     let mut before = command(0);
     before.step = Step::Coast;
     plant.sample();
@@ -62,7 +62,7 @@ fn plant() -> Vec<[f64; 6]> {
     rows
 }
 
-/// A gate's voltage source: on in these stretches (us).
+/// Voltage source of a gate: on in these stretches (us).
 fn gate(name: &str, stretches: &[(usize, usize)]) -> String {
     let mut points = String::from("0 0");
     for &(on, off) in stretches {
@@ -104,7 +104,7 @@ fn netlist() -> String {
     text += &gate("gbl", &[(0, COMMUTATION)]);
     text += &gate("gcl", &[(COMMUTATION, END)]);
     writeln!(text, ".model sw SW(VT=0.5 VH=0 RON={} ROFF=1e6)", inverter.on_resistance).unwrap();
-    // A sharp knee: 2.5 mV of junction and the rest as a source in series.
+    // A sharp knee: 2.5 mV of junction, and the rest as a source in series.
     writeln!(text, ".model knee D(IS=1e-9 N=0.005 RS={})", inverter.on_resistance).unwrap();
     for leg in ["a", "b", "c"] {
         let drop = inverter.diode_drop - 0.0028;
@@ -162,7 +162,7 @@ fn one_commutation_agrees_with_ngspice() {
     compare(&waves, &plant());
 }
 
-/// ngspice has its first row at time 0, the plant's row t is the end of microsecond t.
+/// Compares the rows: ngspice's first row is at time 0, the plant's row t is the end of microsecond t.
 fn compare(waves: &[[f64; 6]], rows: &[[f64; 6]]) {
     assert_eq!(waves.len(), END + 1);
     let peak = waves.iter().fold(0.0f64, |peak, row| peak.max(row[0].abs()));
@@ -188,7 +188,7 @@ fn compare(waves: &[[f64; 6]], rows: &[[f64; 6]]) {
         assert!(worst[x] < 5e-4 * peak, "current {x}: {} A", worst[x]);
     }
     assert!(rms[5] < 1e-3, "bus: {} V RMS", rms[5]);
-    // Terminals agree but for the microseconds in which an edge lies exactly on the grid.
+    // Terminals agree except in the microseconds in which an edge is exactly on the grid.
     for x in 3..5 {
         let near = (0..END).filter(|&t| (rows[t][x] - waves[t + 1][x]).abs() < 0.01).count();
         assert!(near > END * 95 / 100, "terminal {x}: only {near} of {END} samples agree");

@@ -1,4 +1,4 @@
-//! Steady states that follow from the data alone.
+//! Tests of steady states that follow from the data alone.
 
 use crate::driving::Ideal;
 use narx_sim::plant::{BackEmf, MotorConfig, Plant, PlantConfig};
@@ -8,7 +8,7 @@ fn no_load_speed_at_full_duty_is_the_supply_over_the_torque_constant() {
     for back_emf in [BackEmf::Trapezoidal { flat_top_deg: 120.0 }, BackEmf::Sinusoidal] {
         let motor = MotorConfig { back_emf, ..MotorConfig::default() };
         let mut config = PlantConfig::new(motor, 24.0);
-        // A source that cannot sink would let the ripple pump the bus a little above 24 V.
+        // With a source that cannot sink, the ripple would raise the bus a little above 24 V.
         config.supply.may_sink = true;
         let mut plant = Plant::new(&config);
         Ideal::forward(1.0).run(&mut plant, 1.0);

@@ -1,4 +1,4 @@
-//! A node with a master beside it: what the node suites share.
+//! A node with a master beside it, shared by the node suites.
 
 use narx_core::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
 use narx_core::bus::{Frame, Id};
@@ -17,13 +17,13 @@ pub(crate) const IDENTITY: Identity = Identity {
     software_release: 0x0102,
 };
 
-/// A node in the state a test needs, and its master.
+/// A node in the state that a test needs, and its master.
 pub(crate) struct Bench {
     pub(crate) node: Node,
 }
 
 impl Bench {
-    /// Powered up, in Standby, start-up events drained.
+    /// A node after power-up, in Standby, with its start-up events taken.
     pub(crate) fn new() -> Self {
         Self::with_parameters(Parameters::new())
     }
@@ -40,7 +40,7 @@ impl Bench {
         bench
     }
 
-    /// The tick reports a state, at standstill and with the master heard.
+    /// Reports a state from the tick, at standstill and with the master heard.
     pub(crate) fn enter(&mut self, state: State) {
         self.node.handle_status(Status { state, standstill: true, ..Status::default() });
     }
@@ -53,13 +53,13 @@ impl Bench {
         self.send(ToDrive::RequestWord(RequestWord { mode }));
     }
 
-    /// Writes through the bus; the answer's value and status.
+    /// Writes over the bus; returns value and status of the answer.
     pub(crate) fn write(&mut self, number: u16, value: i32) -> (i32, ParameterStatus) {
         self.send(ToDrive::SetParameter { number, value });
         self.answer(number)
     }
 
-    /// Reads through the bus.
+    /// Reads over the bus.
     pub(crate) fn read(&mut self, number: u16) -> (i32, ParameterStatus) {
         self.send(ToDrive::RequestParameter { number });
         self.answer(number)
@@ -83,7 +83,7 @@ impl Bench {
         std::iter::from_fn(|| self.node.poll_event()).collect()
     }
 
-    /// What the tick is asked for: set-points, with a request where there is one.
+    /// Commands to the tick: set-points, with a request if there is one.
     pub(crate) fn commands(&mut self) -> Vec<(Option<Request>, ElectricalSpeed)> {
         let asked = |event| match event {
             Event::Command(Command { request, speed }) => Some((Some(request), speed)),

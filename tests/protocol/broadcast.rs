@@ -1,4 +1,5 @@
-//! What the drive sends on its own: status word, measurements and their scales, and their share of the bus.
+//! Tests of the frames that the drive sends without a request: status word, measurements and their scales,
+//! and their share of the bus.
 
 use crate::bench::{Bench, IDENTITY, speed};
 use narx_core::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord};
@@ -116,7 +117,7 @@ fn measurements_saturate_and_the_position_wraps() {
     assert!(messages.contains(&FromDrive::Measurement(m5)));
 }
 
-/// The measurement frames of one broadcast with this report.
+/// Measurement frames of one broadcast with this report.
 fn measured(pole_pairs: i32, status: Status) -> Vec<FromDrive> {
     let mut parameters = Parameters::new();
     parameters.set(number::MOTOR_POLE_PAIRS, pole_pairs).unwrap();
@@ -154,7 +155,7 @@ fn frame_bits(n: u64) -> u64 {
     67 + 8 * n + (53 + 8 * n) / 4
 }
 
-/// Runs a node for `ticks`, polled at the given gaps in turn: tick and bits of each broadcast.
+/// Runs a node for `ticks`, polled at these gaps in turn; returns tick and bits of each broadcast.
 fn broadcasts(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> Vec<(u64, u64)> {
     let mut parameters = Parameters::new();
     parameters.set(number::AUTOSEND_PERIOD, period).unwrap();
@@ -178,7 +179,7 @@ fn broadcasts(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> Vec<(u64
     sent
 }
 
-/// The greatest share of the bus in any second.
+/// Largest share of the bus in any second.
 fn bus_share(sent: &[(u64, u64)], tick_rate: u32) -> f64 {
     let second = u64::from(tick_rate);
     let windows = sent.iter().map(|(from, _)| {

@@ -1,4 +1,4 @@
-//! A bus that is disturbed, lost and mended: what the drive says of it, and what it does meanwhile.
+//! Tests of a bus that is disturbed, lost and restored: the drive's reports, and its operation meanwhile.
 
 use super::bench::Bench;
 use super::wired::Wired;
@@ -12,10 +12,11 @@ use narx_sim::plant::Input;
 
 /// Bit of a frame that is disturbed: within its identifier.
 const BIT: u32 = 20;
-/// 128 times 11 bits at 500 kbit/s, ticks.
+/// Recovery time, ticks: 128 times 11 bits at 500 kbit/s.
 const RECOVERY: u64 = 29;
 
-/// A turning motor on a bus with a third node: while the master is off the bus somebody must acknowledge what the drive sends.
+/// A turning motor on a bus with a third node: while the master is off the bus another node must acknowledge
+/// the drive's frames.
 fn witnessed() -> Wired {
     let mut wired = Wired::turning();
     wired.bench.set_other(Attachment::Normal);
@@ -58,7 +59,8 @@ fn what_waited_for_a_lost_bus_is_not_sent() {
     assert_eq!(opcodes, [3, 4, 200, 201, 202, 203, 204, 205], "the present, at once");
 }
 
-/// A node obeys what has come in before its controller was off. It can answer none of it, whether there was room or not, and each answer is counted once.
+/// A node carries out requests that came before its controller was off the bus. It can answer none of them,
+/// with or without room, and each answer is counted once.
 #[test]
 fn every_answer_without_a_bus_is_counted_once() {
     for reads in [1, 31, 32, 33, 40, 100] {
@@ -78,7 +80,8 @@ fn every_answer_without_a_bus_is_counted_once() {
     }
 }
 
-/// A bus that takes nothing and yet does not fail, because nobody else is there: of what repeats itself only the newest waits.
+/// If the bus takes no frames but does not fail, because no other node is there, only the newest of each
+/// repeated message waits.
 #[test]
 fn a_bus_that_takes_nothing_keeps_the_newest_words() {
     let mut bench = Bench::new();
@@ -95,7 +98,8 @@ fn a_bus_that_takes_nothing_keeps_the_newest_words() {
     );
 }
 
-/// Every frame is disturbed for 100 ms, which is less than the command time-out.
+/// The drive goes on if every frame is disturbed for 100 ms, which is less than the command time-out, and
+/// comes back with new frames.
 #[test]
 fn the_drive_goes_on_over_a_bus_off_and_comes_back_with_fresh_frames() {
     let mut wired = witnessed();
@@ -140,7 +144,8 @@ fn the_drive_goes_on_over_a_bus_off_and_comes_back_with_fresh_frames() {
     assert_eq!((wired.read(number::BUS_STATE), wired.read(number::BUS_OFFS)), (0, bus_offs));
 }
 
-/// The same for longer than the command time-out: the bridge goes off, and the first frames on the mended bus say why.
+/// If the disturbance lasts longer than the command time-out, the bridge is switched off, and the first
+/// frames on the restored bus report the reason.
 #[test]
 fn a_bus_that_stays_away_ends_in_the_command_time_out() {
     let mut wired = witnessed();

@@ -1,4 +1,4 @@
-//! The description as a master reads it: what it says of the parameters, and what it makes of spoiled ones.
+//! Tests of the description as a master reads it: the parameters in it, and damaged documents.
 
 use crate::bench::IDENTITY;
 use narx_core::bus::narmotion::Addresses;
@@ -17,7 +17,7 @@ fn text() -> String {
     text
 }
 
-/// Everything that a text says, to its end or its error.
+/// All rows of a text, up to its end or its error.
 fn rows(text: &[u8]) -> (Vec<Described>, Result<(), DescriptionError>) {
     let mut reader = DescriptionReader::new();
     let mut rows = Vec::new();
@@ -39,7 +39,7 @@ fn rows(text: &[u8]) -> (Vec<Described>, Result<(), DescriptionError>) {
     (rows, reader.finish())
 }
 
-/// What it says of parameters.
+/// Rows of the parameters in a text.
 fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) {
     let (rows, end) = rows(text);
     (rows.into_iter().filter_map(parameter).collect(), end)
@@ -76,7 +76,8 @@ fn every_parameter_is_read_as_the_dictionary_has_it() {
     }
 }
 
-/// Categories, fields of messages and signals of the scope are those of the tables that the document is made from.
+/// Categories, fields of messages and signals of the scope are those of the tables from which the document is
+/// made.
 #[test]
 fn every_other_row_is_read_as_the_tables_have_it() {
     let (rows, end) = rows(text().as_bytes());
@@ -132,7 +133,7 @@ fn numbers_are_read_as_they_are_written() {
     assert_eq!(Decimal { digits: 1, exponent: 18 }.rescaled(-18), None);
 }
 
-/// A cut document is not one, wherever it is cut; what was read before is as it should be.
+/// A document that is cut anywhere is reported as incomplete, and the rows before the cut are right.
 #[test]
 fn every_truncation_is_noticed() {
     let text = text();
@@ -152,7 +153,7 @@ fn every_truncation_is_noticed() {
     assert_eq!((parameters, reader.finish()), (PARAMETER_COUNT, Ok(())));
 }
 
-/// The next place that is not inside a character.
+/// Next position that is not inside a character.
 fn floor(text: &str, place: usize) -> usize {
     (0..=place).rev().find(|place| text.is_char_boundary(*place)).unwrap()
 }
@@ -160,7 +161,8 @@ fn floor(text: &str, place: usize) -> usize {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Flipped bytes are an error with its place, behind the first of them, or change what was flipped and nothing else.
+    /// Flipped bytes give an error with a position after the first of them, or change the flipped text and
+    /// nothing else.
     #[test]
     fn spoiled_documents_are_refused_or_read(flips in prop::collection::vec((any::<prop::sample::Index>(), 1..=255_u8), 1..4)) {
         let text = text();
@@ -192,7 +194,7 @@ proptest! {
         prop_assert!(read(&noise).1.is_err());
     }
 
-    /// Markup without sense, which comes further than noise.
+    /// Markup without meaning, which gets further than random bytes, ends the reading.
     #[test]
     fn nonsense_in_markup_ends(parts in prop::collection::vec(0..12_usize, 0..60)) {
         const PARTS: [&str; 12] = ["<description format=\"1\">", "<parameters>", "<parameter", " number=\"1\"", " min=\"0\"", ">",
@@ -281,7 +283,7 @@ fn what_is_wrong_is_named() {
     assert_eq!(error.to_string(), expected);
 }
 
-/// Attributes to come are left to others.
+/// Attributes of later versions are ignored.
 #[test]
 fn what_is_new_is_passed_over() {
     let row = ROW.replacen(" unit", " news=\"1\" unit", 1);
@@ -290,7 +292,7 @@ fn what_is_new_is_passed_over() {
     assert_eq!(described[0].max, 105);
 }
 
-/// No parameter of ours has one.
+/// A scale may be above one, though no parameter of ours has one.
 #[test]
 fn a_scale_may_be_above_one() {
     let row = ROW.replacen("0.1", "100", 1).replacen("10.5", "4200", 1).replacen(

@@ -1,4 +1,4 @@
-//! The description: its text, and its download from node and bench.
+//! Tests of the description: its text, and its download from node and bench.
 
 use crate::bench::{Bench, IDENTITY, frame};
 use narx_core::bus::narmotion::{
@@ -43,7 +43,7 @@ fn text_of_the_description() {
     insta::assert_snapshot!(text());
 }
 
-/// CRC-32 (ISO-HDLC) of the text in whole words: that of zlib.
+/// CRC-32 (ISO-HDLC), as in zlib, of the text in whole words.
 fn crc32(text: &[u8]) -> u32 {
     let fill: &[u8] = if text.len().is_multiple_of(2) { b"" } else { b"\n" };
     !text.iter().chain(fill).fold(!0_u32, |check, byte| {
@@ -76,7 +76,7 @@ fn every_parameter_is_there_once() {
     assert_eq!(text.matches("<parameter ").count(), Dictionary::rows().count());
 }
 
-/// They go into the document as they stand.
+/// No text of a table has markup: texts go into the document unchanged.
 #[test]
 fn no_text_of_a_table_has_markup() {
     let mut texts: Vec<&str> = Vec::new();
@@ -116,7 +116,7 @@ fn single_bytes_and_the_whole_are_the_same() {
     }
 }
 
-/// Puts what arrives in its place, as words; true at the end of the text.
+/// Collects received words at their positions, up to the end of the text.
 #[derive(Default)]
 struct Received {
     bytes: Vec<u8>,
@@ -129,7 +129,7 @@ impl Received {
         self.bytes.extend(data.iter().flat_map(|word| word.to_be_bytes()));
     }
 
-    /// The text, cut at its length in words.
+    /// Text of the words, cut at its length.
     fn text(mut self, words: u16) -> String {
         assert!(self.bytes.len() >= usize::from(words) * 2);
         let filled = self.bytes.split_off(usize::from(words) * 2);
@@ -268,15 +268,15 @@ fn send(bench: &mut BusBench, message: ToDrive) {
     bench.send(message.encode(Addresses::FACTORY)).unwrap();
 }
 
-/// Its end has come, and perhaps what fills the last frame.
+/// Returns whether the text has ended, apart from the bytes that fill the last frame.
 fn is_whole(bytes: &[u8]) -> bool {
     bytes.windows(END.len()).rev().take(6).any(|end| end == END)
 }
 
 const END: &[u8] = b"</description>\n";
 
-/// Steps until the whole description has arrived, `each` told of every tick and message: its text without the fill, and
-/// when its first and last frame ended, ns.
+/// Steps until the whole description has arrived, and calls `each` for every tick and message. Returns its
+/// text without the fill bytes, and the ends of its first and last frame, ns.
 fn download(
     bench: &mut BusBench,
     mut each: impl FnMut(&mut BusBench, Option<(u64, FromDrive)>),
@@ -361,8 +361,8 @@ fn a_download_while_driving_delays_nothing() {
     });
     assert_eq!(bench.status().state, State::HallClosedLoop);
     assert!(waits.len() > 200, "{}", waits.len());
-    // A frame of 160 bits that is on the bus and the request itself; a tick for the node and one to be sent; two frames that the
-    // controller has, a broadcast of 8 before it, and the answer itself.
+    // A frame of 160 bits on the bus and the request itself; a tick for the node and one for sending; two
+    // frames in the controller, a broadcast of 8 before it, and the answer itself.
     let frame_ns = 320_000;
     let bound = 2 * frame_ns + 200_000 + (2 + 8 + 1) * frame_ns;
     let longest = *waits.iter().max().unwrap();
@@ -370,7 +370,7 @@ fn a_download_while_driving_delays_nothing() {
     waits.sort_unstable();
     let median = waits[waits.len() / 2];
     assert!(median <= 2 * frame_ns + 200_000 + 3 * frame_ns, "{median}");
-    // Broadcasts keep their period: a frame on the bus and the controller's are all that may hold one up.
+    // Broadcasts keep their period: only a frame on the bus and those in the controller can delay one.
     let gaps: Vec<u64> = statuses.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(gaps.iter().all(|gap| gap.abs_diff(9_000_000) <= 4 * frame_ns), "{gaps:?}");
     assert!(last - first < 6_000_000_000);
@@ -384,7 +384,7 @@ fn an_interrupted_download_begins_anew_on_the_bus() {
         bench.step();
     }
     send(&mut bench, ToDrive::DownloadXml(XmlCommand::Length));
-    // What the controller has still goes out.
+    // The frames in the controller are still sent.
     for _ in 0..300 {
         bench.step();
     }

@@ -1,4 +1,5 @@
-//! Node and control tick together, with healthy samples of a motor that stands: the whole device as the master sees it.
+//! Tests of node and control tick together, with healthy samples of a motor at rest: the whole device as the
+//! master sees it.
 
 use crate::bench::IDENTITY;
 use narx_core::bus::narmotion::{
@@ -15,7 +16,7 @@ struct Device {
     node: Node,
     drive: Drive,
     now: u64,
-    /// What the master has received, with the tick of its arrival.
+    /// Messages that the master has received, with the tick of their arrival.
     received: Vec<(u64, FromDrive)>,
     driven: bool,
 }
@@ -27,7 +28,7 @@ impl Device {
         Self { node, drive, now: 0, received: Vec::new(), driven: false }
     }
 
-    /// The pumps of a firmware: one event a tick, reports back, frames out.
+    /// Runs the device as a firmware does: one event per tick, reports back, frames out.
     fn run(&mut self, milliseconds: u64) {
         for _ in 0..milliseconds * 10 {
             if let Some(event) = self.node.poll_event() {
@@ -99,16 +100,16 @@ fn a_master_that_sends_drive_once_gets_its_motor_and_then_the_time_out_fault() {
     let code = Cause::CommandTimeout as u16;
     let announced = FromDrive::CriticalFault { faults: FaultWord::DEVICE_TIMEOUT, code };
     let at = device.received.iter().find(|(_, message)| *message == announced).expect("CRITICAL_FAULT").0;
-    // 250 ms, the tick that took the command up counted.
+    // 250 ms, including the tick that took the command.
     assert_eq!(at - start, 2499);
 
-    // Silence: status and fault words go on, measurements do not.
+    // With a silent master status and fault words go on, measurements do not.
     device.received.clear();
     device.run(200);
     let opcodes: Vec<u16> = device.received.iter().map(|(_, message)| message.opcode().raw()).collect();
     assert_eq!(opcodes, [3, 4].repeat(4));
 
-    // The wait has passed; a Standby request acknowledges, a Drive request before it did nothing.
+    // The wait has passed; a Standby request acknowledges, while a Drive request before it had no effect.
     device.run(200);
     device.request(MotorMode::Drive);
     device.run(60);
@@ -153,8 +154,8 @@ fn an_uncommissioned_drive_does_not_turn() {
     assert!(!device.driven);
 }
 
-/// A master repeats Drive, as masters do. A request that was refused is spent: enabling a mode, mending the set or arming a
-/// calibration afterwards does not turn the motor; Standby and then Drive does.
+/// A master repeats Drive. A refused request is used up: enabling a mode, correcting the set or arming a
+/// calibration afterwards does not start the motor; Standby and then Drive does.
 #[test]
 fn a_refused_start_needs_a_fresh_request() {
     let repeat = |device: &mut Device| {

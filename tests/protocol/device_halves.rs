@@ -1,4 +1,5 @@
-//! The two halves that a shell links: joined by queues alone, they are the drive and the node of the bench.
+//! Tests of the two halves that a shell links: joined by queues alone, they behave as the drive and the node
+//! of the bench.
 
 use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
 use narx_core::device::{Background, Queues};
@@ -42,7 +43,7 @@ fn frames_reach_the_tick_and_reports_reach_the_bus() {
 fn a_background_that_is_late_loses_no_state_and_stops_no_tick() {
     let mut queues = Queues::new();
     let (mut tick, mut background) = queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
-    // Ten seconds without the background: reports pile up, the newest is what counts.
+    // Ten seconds without the background: reports pile up, and only the newest counts.
     for now in 0..100_000 {
         tick.step(&at_rest(now));
     }
@@ -55,7 +56,7 @@ fn a_background_that_is_late_loses_no_state_and_stops_no_tick() {
     assert!(background.node().status().tick >= 99_990);
 }
 
-/// The scope's requests and blocks pass between the halves, however seldom the background runs.
+/// The scope's requests and blocks pass between the halves, however rarely the background runs.
 #[test]
 fn a_scope_works_between_the_halves() {
     for (words, pause) in [(64, 1), (64, 40), (0, 1)] {
@@ -110,7 +111,8 @@ fn a_scope_works_between_the_halves() {
     }
 }
 
-/// A background that is faster than the tick, which has room for one order: the next one waits, and none is lost.
+/// With a background that is faster than the tick, which has room for one order, the next order waits, and
+/// none is lost.
 #[test]
 fn orders_wait_for_the_tick() {
     let mut memory = Memory::<[u16; 64]>::new();
@@ -121,7 +123,7 @@ fn orders_wait_for_the_tick() {
     let state = |background: &mut Background<'_, '_>| {
         background.node().read_parameter(number::SCOPE_STATE).map(|raw| raw == ScopeState::Done as i32)
     };
-    // To arm, and to force.
+    // The first arms, the second forces.
     for _ in 0..2 {
         let addresses = background.node().addresses();
         background.node().handle_frame(&ToDrive::TriggerScope.encode(addresses));

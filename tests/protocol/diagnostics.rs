@@ -1,4 +1,5 @@
-//! What is worth knowing and is no fault: parameter 304, and what mechanical position it speaks of.
+//! Tests of parameter 304, notable conditions that are no faults, and of the mechanical position that it
+//! refers to.
 
 use crate::bench::{Bench, speed};
 use narx_core::bus::narmotion::{FromDrive, Measurement, ParameterStatus, ToDrive};
@@ -15,7 +16,7 @@ const SUPPLY_LOW: i32 = 1;
 const POSITION_UNKNOWN: i32 = 2;
 const WRONG_LOCK_UNSEEN: i32 = 4;
 
-/// A supply below 18 V is told while it lasts.
+/// A supply below 18 V is reported while it lasts.
 #[test]
 fn a_low_supply_is_told() {
     let mut bench = Bench::new();
@@ -26,7 +27,8 @@ fn a_low_supply_is_told() {
     }
 }
 
-/// Without back-EMF constant or resistance nothing finds a stable wrong lock: told where sensorless control is enabled.
+/// Without back-EMF constant or resistance a stable wrong lock cannot be found: this is reported if
+/// sensorless control is enabled.
 #[test]
 fn a_rail_that_cannot_work_is_told() {
     for (sensorless, back_emf, resistance) in
@@ -66,21 +68,21 @@ fn a_position_is_unknown_until_it_is_set() {
     assert!(unknown(&mut bench), "it still turns unseen");
 }
 
-/// The mechanical position as the master last heard it, degrees.
+/// Mechanical position that the master received last, degrees.
 fn position(session: &mut Session) -> f64 {
     let sent = session.master().measurements().find("Mechanical position").unwrap().value;
     sent.digits as f64 * 10_f64.powi(sent.exponent.into())
 }
 
-/// The drive's diagnostics, asked for over the bus.
+/// Diagnostics of the drive, requested over the bus.
 fn diagnostics(session: &mut Session) -> i32 {
     session.master().request(Request::Read { number: number::DIAGNOSTICS }).unwrap();
     session.run(0.05);
     session.master().parameters().get(number::DIAGNOSTICS).unwrap().value
 }
 
-/// A whole drive without hall sensors on its bus: MEASUREMENT_1 tells the position that the shaft has turned, parameters 16 and 17 set it, and once the
-/// bridge is off it is unknown.
+/// A whole drive without hall sensors sends in MEASUREMENT_1 the position by which the shaft has turned,
+/// parameters 16 and 17 set it, and once the bridge is off it is unknown.
 #[test]
 fn a_drive_without_sensors_tells_its_position() {
     let motor = preset("bly172s-24v").unwrap().motor;
@@ -112,7 +114,8 @@ fn a_drive_without_sensors_tells_its_position() {
     }
 }
 
-/// The set-point that is accepted is the limit of the motor's pole pairs while parameters 101 to 104 hold their factory values.
+/// The accepted set-point is limited by the motor's pole pairs while parameters 101 to 104 have their factory
+/// values.
 #[test]
 fn the_accepted_set_point_follows_the_pole_pairs() {
     for (enable, pole_pairs, asked, accepted) in [
@@ -131,7 +134,7 @@ fn the_accepted_set_point_follows_the_pole_pairs() {
     }
 }
 
-/// In open loop the speed that masters show is the field's.
+/// In open loop the speed on the bus is the field's.
 #[test]
 fn open_loop_has_a_speed_on_the_bus() {
     let mut bench = Bench::new();

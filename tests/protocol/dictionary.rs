@@ -1,11 +1,11 @@
-//! The dictionary: numbering, ranges, factory values, error texts.
+//! Tests of the dictionary: numbering, ranges, factory values, error texts.
 
 use narx_core::dictionary::{
     Access, Decimal, Dictionary, Kind, PARAMETER_COUNT, PRINTED_COUNT, ParameterError, Parameters, number,
 };
 use proptest::prelude::*;
 
-/// Numbers that the decisions of PROTOCOL.md name, with the printed name that must stand there.
+/// Numbers that the decisions of PROTOCOL.md name, with the name that the document has there.
 const ANCHORS: [(u16, &str); 39] = [
     (0, "Memory Mapping Flag"),
     (1, "Device Number"),

@@ -1,4 +1,4 @@
-//! PROTOCOL.md: its tables of the drive are made from the code, and stay so.
+//! Test that the tables of the drive in PROTOCOL.md are made from the code and up to date.
 
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
@@ -96,7 +96,8 @@ fn scope() -> String {
     out
 }
 
-/// Words of each part: those of a value repeat, and what follows them stands behind all n.
+/// Table with the words of each part of a record: those of a value repeat, and the parts after them follow
+/// all n values.
 fn record() -> String {
     let mut out = String::from("| words | part | type | unit | parameters |\n|---|---|---|---|---|\n");
     let words = |entry: &LogEntry| if entry.kind == Kind::U16 { 1 } else { 2 };
@@ -183,7 +184,7 @@ fn generated_tables_are_up_to_date() {
     check_blocks(&BLOCKS);
 }
 
-/// The message table is written by hand: each identifier must be what its opcode and type say.
+/// The message table is written by hand: each identifier must match its opcode and type.
 #[test]
 fn identifiers_in_the_message_table_agree_with_the_code() {
     let text = protocol();
@@ -218,7 +219,7 @@ fn identifiers_in_the_message_table_agree_with_the_code() {
     assert!(table.iter().all(|row| found.contains(row)) && table.len() == found.len());
 }
 
-/// What each code of an update means is told by hand.
+/// The meaning of each code of an update is in the document, where it is written by hand.
 #[test]
 fn codes_of_an_update_are_told() {
     let text = protocol();

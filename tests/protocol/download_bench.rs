@@ -1,4 +1,4 @@
-//! A scripted drive with downloads, and a master that takes them: what the suites about downloads share.
+//! A scripted drive with downloads, and a master that takes them, shared by the suites about downloads.
 
 use crate::pair::said;
 use narx_core::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 
 const TICK: u64 = 100;
 
-/// The drive's side as PROTOCOL.md has it: what is asked is answered at once, streams come frame by frame.
+/// The drive's side by PROTOCOL.md: it answers a request at once, and sends streams frame by frame.
 pub(crate) struct Device {
     pub(crate) description: Vec<u16>,
     pub(crate) scope: Vec<u16>,
@@ -18,9 +18,9 @@ pub(crate) struct Device {
     armed: bool,
     answers: VecDeque<FromDrive>,
     pub(crate) stream: VecDeque<FromDrive>,
-    /// Data frames sent so far.
+    /// Number of data frames so far.
     streamed: usize,
-    /// Data frames that get lost, by their number.
+    /// Numbers of the data frames that are lost.
     pub(crate) lost: BTreeSet<usize>,
     /// Frames of the master that were neither parameters nor commands.
     pub(crate) asked: Vec<ToDrive>,
@@ -88,7 +88,7 @@ impl Device {
         self.answers.push_back(FromDrive::Parameter { number, value, status: ParameterStatus::Done });
     }
 
-    /// What goes out next, if it is not lost.
+    /// Next message of the drive, unless it is lost.
     fn speak(&mut self) -> Option<FromDrive> {
         if let Some(answer) = self.answers.pop_front() {
             return Some(answer);
@@ -99,7 +99,7 @@ impl Device {
     }
 }
 
-/// The words of a log with records of this size.
+/// Words of a log with records of this size.
 fn log_of(record_bytes: i32) -> Vec<u16> {
     let Some(values) = usize::try_from(record_bytes).unwrap().checked_sub(Record::size(0)) else {
         return vec![];
@@ -113,20 +113,20 @@ fn log_of(record_bytes: i32) -> Vec<u16> {
     bytes.as_chunks().0.iter().copied().map(u16::from_be_bytes).collect()
 }
 
-/// Three words a frame, the last one filled with zeros; addresses wrap.
+/// Frames of three words, the last one filled with zeros; addresses wrap.
 fn frames(words: &[u16], frame: impl Fn(u16, [u16; 3]) -> FromDrive) -> VecDeque<FromDrive> {
     let word = |chunk: &[u16], place: usize| chunk.get(place).copied().unwrap_or(0);
     let data = |chunk: &[u16]| [word(chunk, 0), word(chunk, 1), word(chunk, 2)];
     words.chunks(3).enumerate().map(|(place, chunk)| frame((place * 3) as u16, data(chunk))).collect()
 }
 
-/// A master with a download under way, and the words it has got.
+/// A master with a download under way, and the words that it has received.
 pub(crate) struct Bench {
     pub(crate) master: Master,
     pub(crate) device: Device,
     now: u64,
     words: Vec<Option<u16>>,
-    /// Chunks taken each tick.
+    /// Chunks taken per tick.
     pub(crate) appetite: usize,
 }
 
@@ -136,7 +136,7 @@ impl Bench {
         Self { master: Master::new(config), device, now: 0, words: Vec::new(), appetite: 10 }
     }
 
-    /// Four frames of the drive a tick are more than a bus of 500 kbit/s has.
+    /// Runs a tick. Four frames of the drive per tick are more than a bus of 500 kbit/s carries.
     pub(crate) fn step(&mut self) {
         self.now += TICK;
         while let Some(frame) = self.master.poll_frame(self.now) {
@@ -160,7 +160,7 @@ impl Bench {
         (0..milliseconds * 10).for_each(|_| self.step());
     }
 
-    /// Waits for the end; what it was, and when it came, ms.
+    /// Waits for the end; returns the result and its time, ms.
     pub(crate) fn end(&mut self) -> (Result<u32, DownloadError>, u64) {
         for _ in 0..1_000_000 {
             if let Some(end) = self.master.poll_download() {
@@ -181,7 +181,7 @@ impl Bench {
     }
 }
 
-/// A master alone; what it sends at `now`.
+/// Messages that a master alone sends at `now`.
 pub(crate) fn sent(master: &mut Master, now: u64) -> Vec<ToDrive> {
     let frames = std::iter::from_fn(|| master.poll_frame(now));
     let messages = frames.map(|frame| ToDrive::decode(&frame).unwrap().1);

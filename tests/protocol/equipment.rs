@@ -1,4 +1,5 @@
-//! What a board lacks is refused: each part of the table, by every way that asks for it.
+//! Tests that a request for missing equipment of a board is refused: each part of the table, by every kind of
+//! request.
 
 use super::bench::Bench;
 use narx_core::bus::narmotion::{DigitalOutputs, FromDrive, Measurement, ParameterStatus, ToDrive};
@@ -13,7 +14,7 @@ fn without(part: Equipment, parameters: Parameters) -> Bench {
     Bench::on_board(Board { equipment: Equipment::all().difference(part), ..Board::BENCH }, parameters)
 }
 
-/// A parameter and a value of it that needs the part.
+/// Parameters with values that need the part.
 fn asking(part: Equipment) -> &'static [(u16, i32)] {
     match part {
         Equipment::EXTERNAL_TEMPERATURE => &[(number::TEMPERATURE_SOURCE, 1)],
@@ -45,8 +46,8 @@ fn asking(part: Equipment) -> &'static [(u16, i32)] {
     }
 }
 
-/// Every part of the table: without it the parameters that need it are refused with a code of their own, keep their factory values, and take
-/// these; with it they are taken.
+/// Without a part of the table the parameters that need it are refused with a code of their own, keep their
+/// factory values, and accept these; with the part they are accepted.
 #[test]
 fn a_parameter_of_a_missing_part_is_refused() {
     for (_, part) in Equipment::all().iter_names() {
@@ -68,7 +69,7 @@ fn a_parameter_of_a_missing_part_is_refused() {
     }
 }
 
-/// A set from another board, at power-up or from a flash that answers later, asks for nothing that is missing.
+/// A stored set from another board, at power-up or from a flash that answers later, uses no missing part.
 #[test]
 fn a_stored_value_of_a_missing_part_counts_as_its_factory_value() {
     for (_, part) in Equipment::all().iter_names() {
@@ -85,7 +86,7 @@ fn a_stored_value_of_a_missing_part_counts_as_its_factory_value() {
     }
 }
 
-/// The temperature that the fault logic and the derating watch is one that the board measures, whatever the flash said.
+/// Fault logic and derating use a temperature that the board measures, whatever was stored.
 #[test]
 fn protection_watches_a_temperature_that_exists() {
     let mut stored = Parameters::new();
@@ -134,7 +135,7 @@ fn a_supply_that_cannot_be_switched_is_not_switched_off() {
     assert_eq!(bench.refused(), 1, "it is as parameter 97 says");
 }
 
-/// What a board does not measure reads 0: 0 V at the accelerometer's lines would be -3.6 g.
+/// A measurement of a missing part reads 0: 0 V at the accelerometer's lines would be -3.6 g.
 #[test]
 fn a_measurement_of_a_missing_part_is_0() {
     let mut bench = without(Equipment::ACCELEROMETER.union(Equipment::PRESSURE), Parameters::new());

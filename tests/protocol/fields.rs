@@ -1,4 +1,5 @@
-//! The table of messages against frames written by hand: which numbers stand where, and what they mean (PROTOCOL.md).
+//! Tests of the table of messages against frames written by hand: positions of the numbers, and their meaning
+//! (PROTOCOL.md).
 
 use crate::bench::frame;
 use narx_core::bus::narmotion::{
@@ -6,7 +7,7 @@ use narx_core::bus::narmotion::{
 };
 use narx_core::dictionary::Decimal;
 
-/// A message's name, an identifier, its bytes, and its fields with what they hold there.
+/// Name of a message, an identifier, its bytes, and its fields with their values there.
 type Row = (&'static str, u32, u64, &'static [(&'static str, i64)]);
 
 const ROWS: [Row; 9] = [
@@ -88,13 +89,13 @@ fn fields_are_put_where_they_are_read() {
     }
 }
 
-/// A field that a drive or a master sends.
+/// A field of a message of a drive or a master.
 fn field(message: &str, field: &str) -> Field {
     let mut fields = MESSAGES.iter().filter(|row| row.name == message).flat_map(Message::fields);
     fields.find(|found| found.name == field).expect(field)
 }
 
-/// Figure 14's scales: frames as they come, and what they say of the motor.
+/// The scales of Figure 14 hold: raw frames, and their values for the motor.
 #[test]
 fn measurements_have_their_scales() {
     let rows: [(u32, u64, &[&str]); 6] = [
@@ -110,7 +111,7 @@ fn measurements_have_their_scales() {
         let signals = SIGNALS.iter().filter(|signal| signal.opcode == id.opcode);
         let read: Vec<_> = signals.map(|signal| format!("{} {}", signal.value(words), signal.unit)).collect();
         assert_eq!(read, values);
-        // The table of messages says the same of them.
+        // The table of messages gives the same values.
         let fields = Message::of(id).unwrap().fields();
         let read: Vec<_> = fields
             .map(|field| {
@@ -158,7 +159,7 @@ fn numbers_have_units_and_names() {
     }
 }
 
-/// The least and the greatest number of every field of every message fit, and nothing beyond them.
+/// The smallest and the largest number of every field of every message fit, and nothing beyond them.
 #[test]
 fn a_number_that_a_field_has_no_room_for_is_refused() {
     for field in MESSAGES.iter().flat_map(Message::fields) {

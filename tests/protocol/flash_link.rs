@@ -1,4 +1,5 @@
-//! The node between a master and its flash, whose answers are written down: what a flash that works is never seen to say.
+//! Tests of the node between a master and its flash with scripted answers, some of which a working flash
+//! never gives.
 
 use crate::bench::Bench;
 use ParameterStatus::{Done, Storage};
@@ -11,21 +12,21 @@ use narx_core::storage::{Entry, Memory, Opened, Part, Record, Report, Request};
 
 /// A log with room and five records.
 const LOG: Memory = Memory { records: 16, written: 5, subsectors: 4, erasing: None, lost: false, values: 1 };
-/// Ticks of a millisecond.
+/// Ticks per millisecond.
 const MS: u64 = 10;
 
 fn opened(faults: FaultWord, log: Memory) -> Opened {
     Opened { parameters: Parameters::new(), faults, repaired: false, log }
 }
 
-/// Powered up with this log.
+/// A bench after power-up with this log.
 fn bench(log: Memory) -> Bench {
     let mut bench = Bench::new();
     bench.node.attach_storage(&opened(FaultWord::empty(), log));
     bench
 }
 
-/// The write of 0 and 1 that a command is.
+/// Writes 0 and then 1: a command.
 fn command(bench: &mut Bench, number: u16) -> ParameterStatus {
     bench.write(number, 0);
     bench.write(number, 1).1
@@ -39,11 +40,12 @@ fn store_faults(bench: &mut Bench) -> Vec<FaultWord> {
     bench.events().into_iter().filter_map(faults).collect()
 }
 
-/// A piece of an erase takes longer than a motor may wait for the flash's answers: it goes on when the motor is at rest.
+/// A piece of an erase takes longer than a running motor may wait for the flash's answers: the erase goes on
+/// when the motor is at rest.
 #[test]
 fn an_erase_waits_for_the_motor() {
     let half = Memory { erasing: Some(2), ..LOG };
-    // Asked for before the motor started, or found at power-up where a power cut had ended it.
+    // Requested before the motor started, or found at power-up after a power cut had interrupted it.
     for (log, asks) in [(LOG, true), (half, false)] {
         let mut bench = bench(log);
         if asks {
@@ -73,11 +75,11 @@ fn an_erase_that_fails_is_fault_30() {
         assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
         bench.node.handle_storage(Report::Log { done: false, memory: Memory { erasing: left, ..LOG } });
         assert_eq!(store_faults(&mut bench), [FaultWord::STORE_ABSENT], "{left:?}");
-        // The flash is looked for; nothing else is asked of it before it answers.
+        // The node searches for the flash; until it answers, no other request is made.
         assert_eq!(bench.node.poll_storage(), Some(Request::Open), "{left:?}");
         bench.node.handle_storage(Report::Opened(opened(FaultWord::STORE_ABSENT, Memory::default())));
         assert_eq!(command(&mut bench, number::LOG_ERASE_REQUEST), Storage, "{left:?}");
-        // When it does, what was asked for before is forgotten: the log that it has now is another one, for all that is known.
+        // When it answers, earlier requests are forgotten: its log may be another one.
         bench.node.poll(1000 * MS);
         assert_eq!(bench.node.poll_storage(), Some(Request::Open), "{left:?}");
         bench.node.handle_storage(Report::Opened(opened(FaultWord::empty(), LOG)));
@@ -86,7 +88,7 @@ fn an_erase_that_fails_is_fault_30() {
     }
 }
 
-/// A record that is lost is no fault: the log is a witness, not a condition.
+/// A record that is lost is no fault: the log is not needed for operation.
 #[test]
 fn a_record_that_finds_no_place_is_no_fault() {
     let mut bench = bench(LOG);
@@ -101,7 +103,7 @@ fn a_record_that_finds_no_place_is_no_fault() {
     assert!(matches!(bench.node.poll_storage(), Some(Request::Append(_))), "the next one is tried");
 }
 
-/// The flash answers what it was asked for before the master changed its mind.
+/// The flash may answer a request after the master has aborted it; the record is not sent.
 #[test]
 fn a_record_that_comes_after_an_abort_is_not_sent() {
     let mut bench = bench(LOG);
@@ -112,7 +114,7 @@ fn a_record_that_comes_after_an_abort_is_not_sent() {
     let record = |index| Report::Record(Some(Record::new(index, &Entry::default())));
     bench.node.handle_storage(record(0));
     assert_eq!((bench.node.poll_bulk_frame(), bench.node.poll_storage()), (None, None));
-    // Another range comes from its beginning.
+    // Another range starts from its beginning.
     bench.write(number::LOG_READ_START, 3);
     assert_eq!(bench.write(number::LOG_READ_REQUEST, 1), (1, Done));
     assert_eq!(bench.node.poll_storage(), Some(Request::Read(3)));
@@ -132,7 +134,8 @@ fn a_log_that_has_lost_its_beginning_is_erased_and_not_read() {
     assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
 }
 
-/// Times of the records that the polls at these ticks make, ms; the flash answers at once, or after the polls named in `busy` alone.
+/// Times of the records that the polls at these ticks cause, ms. The flash answers at once, or after the
+/// polls selected by `busy` not at all.
 fn times(polls: &[u64], busy: impl Fn(u64) -> bool) -> Vec<u32> {
     let mut bench = bench(LOG);
     bench.write(number::LOG_PERIOD, 10);
@@ -152,7 +155,8 @@ fn times(polls: &[u64], busy: impl Fn(u64) -> bool) -> Vec<u32> {
     times
 }
 
-/// The period begins with the first poll. One that comes soon after a sample makes a record that is due all the same, and one that comes late makes one record and no more.
+/// The period begins with the first poll. A poll soon after a sample still makes the record that is due, and
+/// a late poll makes one record and no more.
 #[test]
 fn records_keep_their_time() {
     let free = |_| false;
@@ -170,7 +174,8 @@ fn a_flash_that_is_busy_misses_records() {
     assert_eq!(times(&every, |now| (90..350).contains(&now)), [10, 40, 50, 60, 70]);
 }
 
-/// Restored is what is stored: the values in force stay until the reboot. A flash that does not answer cannot be restored.
+/// A restore changes the stored set: the values in force stay until the reboot. If the flash does not answer,
+/// the restore is refused.
 #[test]
 fn a_restore_without_a_flash_is_refused() {
     for present in [true, false] {
@@ -196,7 +201,7 @@ fn a_restore_without_a_flash_is_refused() {
     }
 }
 
-/// A restore waits behind another store, which fails: it is stored when the flash is back.
+/// A restore that waits for another store, which fails, is stored when the flash is back.
 #[test]
 fn a_restore_outlives_the_store_before_it() {
     let mut bench = bench(LOG);
@@ -215,7 +220,7 @@ fn a_restore_outlives_the_store_before_it() {
     assert_eq!(stored.raw(number::SPEED_RATE), 2000);
 }
 
-/// What a flash brings that was missing may change everything: it is not looked for under a motor that turns.
+/// A flash that was missing may bring another set of parameters: it is not searched for while a motor turns.
 #[test]
 fn a_missing_flash_is_looked_for_at_rest() {
     use State::{
@@ -239,7 +244,7 @@ fn a_missing_flash_is_looked_for_at_rest() {
     }
 }
 
-/// A report of a store that nobody has asked for is neither a fault nor an answer.
+/// A report of a store that was not requested causes neither a fault nor an answer.
 #[test]
 fn a_store_that_was_not_asked_for_is_none() {
     let mut bench = bench(LOG);

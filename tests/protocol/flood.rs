@@ -1,4 +1,4 @@
-//! A bus that is full of others' frames: the master's requests and the drive's answers among them.
+//! Tests of a bus full of other nodes' frames: the master's requests and the drive's answers among them.
 
 use super::wired::Wired;
 use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind, Opcode, Priority, ToDrive};
@@ -8,10 +8,10 @@ use narx_core::motor::State;
 use narx_core::motor::guard::fault::Cause;
 use narx_sim::can::Attachment;
 
-/// An answer within 5 ms of the request.
+/// Longest time from a request to its answer, ns: 5 ms.
 const ANSWER_MAX: u64 = 5_000_000;
 
-/// Keeps the other node's queue filled for a tick: at most one frame ends in 100 us.
+/// Runs a tick with the other node's queue filled: at most one frame ends in 100 us.
 fn step(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) {
     while wired.bench.other_queued() < 4 {
         wired.bench.send_as_other(flood(wired.bench.plant().tick())).unwrap();
@@ -30,14 +30,14 @@ fn to_drive(kind: MessageKind, opcode: u16) -> MessageId {
     MessageId { priority: Priority::Lowest, source: 0x55, destination: 0xAA, kind, opcode }
 }
 
-/// Asks a hundred times among the flood: the longest time to an answer, ns.
+/// Sends a hundred requests in the flood; returns the longest time to an answer, ns.
 fn ask(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) -> u64 {
     let mut longest = 0;
     for question in 0..100_u16 {
         wired.heard.clear();
         let asked = wired.bench.now_ns();
         wired.send(ToDrive::RequestParameter { number: question });
-        // 17.3 ms: the questions fall everywhere between the broadcasts.
+        // 17.3 ms: the requests come at all phases of the broadcasts.
         for _ in 0..173 {
             step(wired, flood);
         }
@@ -82,7 +82,7 @@ fn requests_are_answered_in_5_ms_on_a_full_bus() {
     }
 }
 
-/// Valid requests with the lowest priority, as fast as the bus takes them: each gets its answer.
+/// Valid requests with the lowest priority, as fast as the bus carries them, all get their answers.
 #[test]
 fn a_flood_of_requests_loses_none() {
     let mut wired = Wired::turning();
@@ -109,8 +109,8 @@ fn a_flood_of_requests_loses_none() {
     assert_eq!(wired.bench.status().state, State::HallClosedLoop);
 }
 
-/// What arbitration forbids: a node that sends the highest priority without a gap has the bus alone. The drive's own protection is the
-/// command time-out, and it answers as soon as there is room.
+/// By arbitration a node that sends the highest priority without a gap has the bus alone. The drive's
+/// protection is the command time-out, and it answers as soon as there is room.
 #[test]
 fn a_flood_of_the_highest_priority_silences_everybody() {
     let mut wired = Wired::turning();

@@ -1,4 +1,5 @@
-//! docs/HARDWARE.md: its figures are those of the code, its parameters those of the dictionary, its pins complete.
+//! Tests of docs/HARDWARE.md: its figures are those of the code, its parameters those of the dictionary, its
+//! pins complete.
 
 use narx_core::dictionary::{Decimal, Dictionary, Parameter};
 use narx_core::motor::Board;
@@ -13,7 +14,7 @@ fn text() -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// The rows of every table that have at least so many cells, as their cells.
+/// Rows of every table that have at least `cells` cells.
 fn rows(text: &str, cells: usize) -> Vec<Vec<&str>> {
     let rows = text.lines().filter_map(|line| line.strip_prefix('|')?.strip_suffix('|'));
     rows.map(|line| line.split('|').map(str::trim).collect())
@@ -21,7 +22,7 @@ fn rows(text: &str, cells: usize) -> Vec<Vec<&str>> {
         .collect()
 }
 
-/// The cells of the row that begins with `key`.
+/// Cells of the row that begins with `key`.
 fn row<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
     let mut found = rows(text, 2).into_iter().filter(|row| row[0] == key);
     let row = found.next().unwrap_or_else(|| panic!("no row {key}"));
@@ -33,8 +34,8 @@ fn factory(row: &Parameter) -> String {
     format!("{} {}", Decimal { digits: row.default(), exponent: row.exponent }, row.unit())
 }
 
-/// `119 Over-voltage HV threshold` in a last cell names a parameter of the dictionary; the cell behind the name of the
-/// limit is its factory value.
+/// A last cell such as `119 Over-voltage HV threshold` names a parameter of the dictionary; the cell after
+/// the name of the limit is its factory value.
 #[test]
 fn limits_are_the_factory_values_of_their_parameters() {
     let text = text();
@@ -86,7 +87,7 @@ fn times_are_those_of_the_causes() {
     assert_eq!(row(&text, "master silent while driving")[2], row(&text, "silent master")[1]);
 }
 
-/// What stops the motor although somebody masked it, and what somebody may mask.
+/// The document lists the faults that stop the motor even if they are masked, and those that can be masked.
 #[test]
 fn masks_are_those_of_the_fault_word() {
     let text = text();
@@ -129,7 +130,8 @@ fn ratings_are_those_of_the_bench_and_of_commissioning() {
     }
 }
 
-/// Pins 1 to 15 of P1 and 1 to 9 of P2, each once; Table 5 joins pins of P1 by the names that they have there.
+/// Pins 1 to 15 of P1 and 1 to 9 of P2 are listed, each once; Table 5 connects pins of P1 by their names
+/// there.
 #[test]
 fn connectors_are_complete() {
     let text = text();

@@ -1,4 +1,5 @@
-//! From the wires of the board to the bus: every slow input, its calibration, and the outputs back to the wires.
+//! Tests of the way from the wires of the board to the bus: every slow input, its calibration, and the
+//! outputs back to the wires.
 
 use super::bench::Bench;
 use super::wired::Wired;
@@ -11,14 +12,14 @@ use narx_core::units::Volts;
 use narx_sim::bench::SIGNALS;
 use narx_sim::plant::Input;
 
-/// What is put on a wire comes back over the bus, to half a code of the converter and half a step of the frame.
+/// A value on a wire is received over the bus, to half a code of the converter and half a step of the frame.
 #[test]
 fn every_input_comes_back_over_the_bus_in_its_scale() {
     type Row = (&'static [(Input, f64)], &'static str, f64, f64, f64);
     let table: [Row; 16] = [
         (&[(Input::Asi, 2.5)], "ASI_DSP", 0.0, 2.5, 1e-3),
         (&[(Input::Asi, 3.3)], "ASI_DSP", 0.0, 3.3, 1e-3),
-        // A source of 20 kohm against the input's own.
+        // A source of 20 kohm against the input's own resistance.
         (&[(Input::Asi, 2.5), (Input::AsiSource, 20_000.0)], "ASI_DSP", 0.0, 1.25, 1e-3),
         (&[(Input::AccelX, 1.5)], "Accel X", 0.0, 1.5, 2e-3),
         (&[(Input::AccelY, -2.0)], "Accel Y", 0.0, -2.0, 2e-3),
@@ -26,7 +27,7 @@ fn every_input_comes_back_over_the_bus_in_its_scale() {
         // 30 mV x 56.
         (&[(Input::Pressure, 30.0)], "PIN_MEAS", 0.0, 1.68, 1.2e-3),
         (&[(Input::Pressure, 55.0)], "PIN_MEAS", 0.0, 3.08, 1.2e-3),
-        // 1 V beside the middle, 80 dB down, x 56.
+        // 1 V off the middle, attenuated by 80 dB, x 56.
         (&[(Input::Pressure, 30.0), (Input::PressureCommonMode, 3.5)], "PIN_MEAS", 0.0, 1.6856, 1.2e-3),
         (&[(Input::Rail6V, 5.5)], "+6V_MEAS", 6.0, 5.5, 1.6e-3),
         (&[(Input::Rail14V, 13.2)], "Driver 14V Voltage", 14.0, 13.2, 3.1e-3),
@@ -69,7 +70,7 @@ fn what_no_wire_can_carry_is_refused() {
     assert_eq!(error.to_string(), "AccelX takes -2 to 2 g");
 }
 
-/// Half a code at most is lost between the wire and the node, up to the middle of the last code.
+/// Between wire and node half a code at most is lost, up to the middle of the last code.
 #[test]
 fn converters_have_12_bits() {
     const CODE: f64 = 3.3 / 4096.0;
@@ -86,7 +87,7 @@ fn converters_have_12_bits() {
     assert_eq!(seen.len(), 4096);
 }
 
-/// Low up to 1.2 V, high from 1.3 V on, and as before between the two (Table 2).
+/// A digital line is low up to 1.2 V, high from 1.3 V, and unchanged between the two (Table 2).
 #[test]
 fn a_digital_line_has_hysteresis() {
     for (input, signal) in [(Input::Dsio1, "DSI1_DSP"), (Input::Dsio2, "DSI2_DSP")] {
@@ -155,11 +156,12 @@ fn hall_sensors_without_supply_leave_their_lines_high() {
     }
 }
 
-/// Limits are those of the wires: just inside, the motor turns on; just outside, it is stopped for the right cause.
+/// Limits apply to the wires: just inside, the motor turns on; just outside, it is stopped with the right
+/// cause.
 #[test]
 fn a_wire_beyond_its_limit_stops_the_motor() {
     use Cause::{HallInvalid, OverPressure, OverTemperature, ShutdownLine};
-    // Over-pressure stops the motor only where the mask says so.
+    // Over-pressure stops the motor only if the mask says so.
     let critical = 0xFC00_00FE_u32.cast_signed();
     let pressure = [(number::OVER_PRESSURE, 2000), (number::CRITICAL_FAULT_MASK, critical)];
     let table = [
@@ -189,7 +191,8 @@ fn a_wire_beyond_its_limit_stops_the_motor() {
     }
 }
 
-/// Every parameter of category 02: what is on the wires, what is measured with the value before, the value, what is measured then.
+/// Every parameter of category 02 moves its measurement: values on the wires, the measurement before, the
+/// parameter's value, the measurement after.
 #[test]
 fn every_calibration_parameter_moves_its_measurement() {
     const PRESSURE: &[(Input, f64)] = &[(Input::Pressure, 30.0)];
@@ -235,7 +238,7 @@ fn every_calibration_parameter_moves_its_measurement() {
     }
 }
 
-/// Tilt and vibration of a second of readings, 0.01 degrees and 0.001 g.
+/// Tilt and vibration from a second of readings, 0.01 degrees and 0.001 g.
 fn moved(readings: impl Fn(usize) -> [f64; 3]) -> (f64, f64) {
     let mut bench = Bench::new();
     for index in 0..100 {
@@ -263,7 +266,7 @@ fn tilt_is_the_angle_to_the_vertical() {
         }
     }
     assert_eq!(moved(|_| [0.0; 3]).0, 0.0, "free fall has no direction");
-    // Shaking does not tilt.
+    // Shaking causes no tilt.
     let shaken = moved(|index| [if index % 2 == 0 { 1.5 } else { -1.5 }, 1.0, 0.0]);
     assert_eq!(shaken, (90.0, 1.5));
 }
@@ -275,7 +278,7 @@ fn vibration_is_the_root_mean_square_without_the_mean() {
             let reading = |index: usize| {
                 let mut accel = [0.3, -0.2, 0.9];
                 accel[axis] += amplitude * (std::f64::consts::TAU * 7.0 * index as f64 / 100.0).sin();
-                // As the node rounds it.
+                // Rounded as in the node.
                 accel.map(|g| (g * 1000.0).round() / 1000.0)
             };
             let mean =
@@ -292,7 +295,7 @@ fn vibration_is_the_root_mean_square_without_the_mean() {
     }
 }
 
-/// The same over the bus: the board is laid on its side and shaken.
+/// Tilt and vibration are read over the bus: the board is laid on its side and shaken.
 #[test]
 fn tilt_and_vibration_are_read_over_the_bus() {
     let mut wired = Wired::resting();

@@ -1,4 +1,4 @@
-//! The NarMotion-X protocol: dictionary, wire formats and node, through their public interfaces.
+//! Tests of the NarMotion-X protocol: dictionary, wire formats and node, through their public interfaces.
 
 mod bench;
 mod broadcast;

@@ -1,4 +1,4 @@
-//! The master: its commands, when it speaks, and when it is silent.
+//! Tests of the master: its commands, the times at which it sends, and its silence.
 
 use crate::bench::frame;
 use crate::pair::{Pair, is_command, said};
@@ -64,7 +64,7 @@ fn a_started_drive_is_fed_and_says_what_it_accepts() {
     pair.master.set_speed(0);
     pair.run(1);
     assert_eq!(pair.master.report().accepted_speed.map(|heard| heard.value), Some(500), "parameter 104");
-    // The mirror is filled meanwhile, and does not hold the commands up.
+    // Reading the parameters meanwhile does not delay the commands.
     pair.take_sent(|_| true);
     pair.run(400);
     let fed: Vec<u64> = pair
@@ -105,13 +105,13 @@ fn polling_when_it_says_is_enough() {
         master.request(Request::TriggerScope).unwrap();
         master.download(Download::Scope { words: 30 }).unwrap();
         master.start(2000);
-        // For half a second it is worth reading, though it never answers.
+        // For half a second its state is requested, though it never answers.
         master.handle_frame(&said(FromDrive::Status(StatusWord::default())), 0);
     };
     let frames = |master: &mut Master, now: u64| -> Vec<(u64, u32)> {
         std::iter::from_fn(|| master.poll_frame(now)).map(|frame| (now, frame.id().raw())).collect()
     };
-    // Nothing else has this period.
+    // No other message has this period.
     let config = Config { setpoint_period: 77 * MS, ..Config::default() };
     let mut eager = Master::new(config);
     script(&mut eager);
@@ -130,7 +130,7 @@ fn polling_when_it_says_is_enough() {
     assert!(polls < 120, "{polls}");
 }
 
-/// A caller that sleeps until then is told at once of what was asked for meanwhile.
+/// A request that is made while the caller sleeps is due at once.
 #[test]
 fn what_is_asked_for_is_due_at_once() {
     let config = Config { setpoint_period: 1000 * MS, read_parameters: false, ..Config::default() };
@@ -142,17 +142,17 @@ fn what_is_asked_for_is_due_at_once() {
     let answer = FromDrive::Parameter { number: 9, value: 0, status: ParameterStatus::Done };
     master.handle_frame(&said(answer), 8);
     assert_eq!(master.next_poll(8), 1000 * MS);
-    // Its state is worth reading, as long as it is there.
+    // Its state is requested, as long as the drive is present.
     master.handle_frame(&said(FromDrive::Status(StatusWord::default())), 9);
     assert_eq!(master.next_poll(9), 9);
     assert_eq!(master.next_poll(9 + config.lost_after), 1000 * MS);
-    // The request of a start goes behind its set-point.
+    // The request of a start follows its set-point.
     master.start(2000);
     assert!(master.poll_frame(9).is_some());
     assert_eq!(master.next_poll(9), 9);
 }
 
-/// A few KiB are what a small board can spare; each parameter takes 16 bytes of it.
+/// A master takes no more than a few KiB, which a small board can spare; each parameter takes 16 bytes of it.
 #[test]
 fn a_master_is_small() {
     assert!(size_of::<Master>() <= 4224, "{} bytes", size_of::<Master>());
@@ -216,7 +216,7 @@ proptest! {
             }
             prop_assert!(master.next_poll(now) >= now);
         }
-        // The end of time is an instant like any other.
+        // The last instant is an instant like any other.
         master.handle_frame(&frame(0x1552_A803, 0), u64::MAX);
         master.poll_frame(u64::MAX);
     }

@@ -1,4 +1,4 @@
-//! The master at its place on the simulated bus: a whole drive with its motor, from power-up on.
+//! Tests of the master at its place on the simulated bus: a whole drive with its motor, from power-up on.
 
 use narx_core::bus::narmotion::{ControlMode, MotorMode};
 use narx_core::dictionary::{PARAMETER_COUNT, number};
@@ -15,7 +15,7 @@ use narx_sim::presets::preset;
 struct Rig {
     bench: Bench,
     master: Master,
-    /// Feeds the drive.
+    /// True while the master's frames reach the drive.
     alive: bool,
 }
 
@@ -55,7 +55,7 @@ impl Rig {
         (0..(seconds * 10_000.0) as u64).for_each(|_| self.step());
     }
 
-    /// Waits until the master sees a state; s.
+    /// Waits until the master sees a state; returns the time, s.
     fn until(&mut self, state: State) -> f64 {
         let begin = self.bench.time();
         for _ in 0..50_000 {
@@ -82,7 +82,7 @@ impl Rig {
         self.bench.now_ns() / 1000
     }
 
-    /// A measured signal, in its unit.
+    /// Value of a measured signal, in its unit.
     fn signal(&self, name: &str) -> f64 {
         let value = self.master.measurements().find(name).unwrap().value;
         value.digits as f64 * 10_f64.powi(value.exponent.into())
@@ -211,7 +211,7 @@ fn services_of_the_drive() {
     rig.until(State::Standby);
     assert_eq!(rig.ask(Request::Read { number: number::SPEED_RATE }).result, Ok(777), "it was stored");
 
-    // There is no scope yet.
+    // The scope has no record yet.
     rig.master.download(Download::Scope { words: 3 }).unwrap();
     rig.run(2.0);
     assert_eq!(rig.master.poll_download(), Some(Err(DownloadError::NoAnswer)));
@@ -237,7 +237,8 @@ fn a_broken_line_is_noticed_at_both_ends() {
     assert!(rig.master.report().faults.unwrap().value.contains(FaultWord::DEVICE_TIMEOUT));
 }
 
-/// Reading everything neither takes long nor takes the bus: a third for questions and answers, beside the broadcasts.
+/// Reading all parameters takes neither long nor the whole bus: requests and answers take a third of it,
+/// beside the broadcasts.
 #[test]
 fn reading_everything_leaves_the_bus_to_the_commands() {
     let mut rig = Rig::new(Mode::Hall, Config::default());

@@ -1,4 +1,4 @@
-//! Bulk downloads from a scripted drive: lengths, streams, gaps, refusals, aborts.
+//! Tests of bulk downloads from a scripted drive: lengths, streams, gaps, refusals, aborts.
 
 use crate::download_bench::{Bench, Device, sent};
 use crate::pair::said;
@@ -52,7 +52,7 @@ fn the_scope_streams_at_once() {
 
 #[test]
 fn gaps_are_asked_for_again() {
-    // The first frame, the last one, one in the middle, several in a row, every seventh one.
+    // Losses: the first frame; the last one; one in the middle; several in a row; every seventh one.
     let losses: [&[usize]; 5] =
         [&[0], &[333], &[100], &[10, 11, 12, 200, 201], &[0, 7, 14, 21, 28, 35, 42, 49, 56]];
     for lost in losses {
@@ -72,7 +72,8 @@ fn gaps_are_asked_for_again() {
     }
 }
 
-/// CAN may double a frame, and the master asks again as soon as the last one has come.
+/// CAN may double a frame, and the master requests the next stream as soon as the last frame has come; its
+/// double does not end that stream.
 #[test]
 fn the_double_of_a_last_frame_does_not_end_the_next_stream() {
     let mut master = Master::new(Config { read_parameters: false, ..Config::default() });
@@ -111,7 +112,7 @@ fn a_drive_that_does_not_know_downloads_does_not_answer() {
         });
         assert_eq!(ended.map(|now| now / 1000), Some(milliseconds), "{what:?}");
     }
-    // Its log has no size; where it has one, 75 is answered with status 5.
+    // Without a log its records have no size; with a size, 75 is answered with status 5.
     let mut bench = Bench::new(Device::new(0, 0));
     assert_eq!(bench.download(Download::Log { first: 0, records: 1 }), Err(DownloadError::NoLog));
     let mut master = Master::new(config);
@@ -163,7 +164,7 @@ fn progress_is_told_and_a_download_can_be_aborted() {
         assert_eq!((end, at), (Err(DownloadError::Aborted), 10), "{what:?}");
         let stop = match what {
             Download::Description => Some(ToDrive::DownloadXml(XmlCommand::Length)),
-            // Nothing stops the scope; nobody takes what still comes.
+            // No message stops the scope; frames that still come are ignored.
             Download::Scope { .. } => None,
             Download::Log { .. } => {
                 Some(ToDrive::SetParameter { number: number::LOG_READ_REQUEST, value: 0 })
@@ -181,7 +182,7 @@ fn progress_is_told_and_a_download_can_be_aborted() {
 fn a_silent_master_downloads_nothing() {
     let mut master = Master::new(Config { silent: true, ..Config::default() });
     assert_eq!(master.download(Download::Description), Err(NotTaken::Silent));
-    // Words that another master has asked for are not its own.
+    // Words that another master has requested are not its own.
     let data = FromDrive::XmlData { address: 0, data: [1, 2, 3] };
     master.handle_frame(&data.encode(Addresses::FACTORY), 0);
     assert_eq!(master.poll_chunk(), None);
@@ -190,7 +191,7 @@ fn a_silent_master_downloads_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever is lost of the streams, nothing is missing in the end, and nothing is wrong.
+    /// With any losses in the streams a download is complete and right in the end, or fails.
     #[test]
     fn downloads_are_complete_or_fail(
         kind in 0..3_u8,
@@ -215,7 +216,7 @@ proptest! {
             Ok(words) => prop_assert!(words == expected),
             Err(error) => prop_assert_eq!(error, DownloadError::NoAnswer),
         }
-        // With an undisturbed line it works.
+        // Without disturbance it works.
         bench.device.lost.clear();
         prop_assert!(bench.download(what) == Ok(expected));
     }

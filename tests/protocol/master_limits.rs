@@ -1,4 +1,5 @@
-//! Set-points that a drive would clamp: the master knows them before, and says which parameter is in the way.
+//! Tests of set-points that a drive would clamp: the master knows them in advance, and names the parameter
+//! that limits.
 
 use crate::pair::Pair;
 use narx_core::dictionary::{Parameters, number};
@@ -13,7 +14,7 @@ const LIMITS: [(u16, i32); 5] = [
     (number::OPEN_LOOP_SPEED, 500),
 ];
 
-/// Limits that nobody has set follow the pole pairs for the master as for the drive.
+/// Limits that were never written follow the pole pairs for the master as for the drive.
 #[test]
 fn factory_limits_are_those_of_the_pole_pairs() {
     for (pole_pairs, min, max) in [(2, 1000, 8000), (4, 500, 4000), (8, 250, 2000)] {
@@ -34,7 +35,7 @@ fn drive(enabled: [i32; 3]) -> Parameters {
     parameters
 }
 
-/// What the master says of a set-point, and what the drive makes of it.
+/// The master refuses a set-point exactly if the drive would clamp it.
 #[test]
 fn a_set_point_is_refused_where_the_drive_would_clamp_it() {
     for (enabled, min, max) in [
@@ -64,7 +65,7 @@ fn a_set_point_is_refused_where_the_drive_would_clamp_it() {
     }
 }
 
-/// Whoever has read [`SpeedLimits::PARAMETERS`] knows the limits of every mode, and none of them is read in vain.
+/// [`SpeedLimits::PARAMETERS`] suffice for the limits of every mode, and each of them is needed.
 #[test]
 fn its_parameters_decide_about_the_limits_and_no_others() {
     let modes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
@@ -118,7 +119,7 @@ fn the_refusal_names_value_parameter_and_range() {
     }
 }
 
-/// Such a set does not build: the drive refuses the start, and names the parameter.
+/// Limits that cross each other do not build: the drive refuses the start, and names the parameter.
 #[test]
 fn limits_that_cross_each_other_are_for_the_drive_to_refuse() {
     let mut parameters = drive([0, 0, 1]);

@@ -1,4 +1,4 @@
-//! Master and node over a line that loses, delays, doubles and reorders frames.
+//! Tests of master and node over a line that loses, delays, doubles and reorders frames.
 
 use crate::pair::{Fate, Pair};
 use narx_core::bus::narmotion::MotorMode;
@@ -7,7 +7,8 @@ use narx_core::master::{Config, Request, RequestError, Service};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
-/// Frames of a bad line, us: half of them arrive at once. The second copy of a frame comes up to `apart` later.
+/// Strategy of a bad line: delays of the frames, us; half of them arrive at once. The second copy of a frame
+/// comes up to `apart` later.
 fn fates(latest: u64, apart: u64) -> impl Strategy<Value = Vec<Fate>> {
     let fate = prop_oneof![
         4 => Just(vec![0]),
@@ -36,8 +37,9 @@ fn requests() -> impl Strategy<Value = Vec<Request>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Lost, doubled as CAN doubles, and less than half of the time-out on their way: what the master says of the drive is true. (The late
-    /// double of a refusal may be taken for that of another write of the same parameter: each is written once here.)
+    /// If frames are lost, doubled as CAN doubles them, and delayed by less than half of the time-out, the
+    /// master's answers are true. (The late double of a refusal may match another write of the same
+    /// parameter: each is written once here.)
     #[test]
     fn answers_are_true(requests in requests(), fates in fates(49_000, 0)) {
         let mut pair = Pair::quiet();
@@ -75,7 +77,8 @@ proptest! {
         }
     }
 
-    /// However late frames are, in whatever order, every request has one answer in its turn, the drive is fed, and once the line is good again all is well.
+    /// However late frames are, in any order, every request has one answer in its turn, the drive gets its
+    /// commands, and once the line is good again everything works.
     #[test]
     fn a_line_that_gets_well_is_well(requests in requests(), fates in fates(400_000, 400_000)) {
         let mut pair = Pair::new(Config { read_parameters: true, ..Config::default() });
@@ -105,7 +108,7 @@ proptest! {
         prop_assert_eq!(pair.master.requested(), Some(MotorMode::Drive));
         let rate = pair.ask(Request::Write { number: number::SPEED_RATE, raw: 777 });
         prop_assert_eq!(rate.result, Ok(777));
-        // Nothing that the line does is a frame that the drive would refuse, except what was asked for.
+        // The drive refuses no frame but the requested ones, whatever the line does.
         prop_assert_eq!(pair.bench.malformed(), 0);
     }
 }

@@ -1,4 +1,5 @@
-//! The log as a master downloads it from a scripted drive: ranges, records and their CRC, gaps, aborts.
+//! Tests of the log as a master downloads it from a scripted drive: ranges, records and their CRC, gaps,
+//! aborts.
 
 use crate::download_bench::{Bench, Device, sent};
 use crate::pair::said;
@@ -44,7 +45,7 @@ fn of_the_log_only_the_gap_is_asked_for() {
     assert_eq!(bench.device.asked[5..], again);
 }
 
-/// A log download whose stream has been asked for; the command's answer is still to come.
+/// A master with a log download whose stream was requested; the command's answer has not come yet.
 fn raised(records: u32) -> Master {
     let mut master = Master::new(Config { read_parameters: false, ..Config::default() });
     master.download(Download::Log { first: 0, records }).unwrap();
@@ -62,7 +63,7 @@ fn raised(records: u32) -> Master {
 const RAISED: FromDrive =
     FromDrive::Parameter { number: number::LOG_READ_REQUEST, value: 1, status: ParameterStatus::Done };
 
-/// The words of one record, frame by frame.
+/// Words of one record, frame by frame.
 fn frames_of(index: u32) -> Vec<[u16; 3]> {
     let record = Record::new(index, &Entry::default());
     (0..3).map(|place| record.frame(place).unwrap()).collect()
@@ -76,7 +77,7 @@ fn log_words_find_their_place_in_any_order() {
         let data = words[usize::from(place)];
         said(FromDrive::LogData { counter: place * 3, data })
     };
-    // The first words overtake the answer.
+    // The first words arrive before the answer.
     master.handle_frame(&data(1), 1);
     master.handle_frame(&said(RAISED), 2);
     for place in [0, 0, 2, 1, 4, 3, 5] {
@@ -87,7 +88,8 @@ fn log_words_find_their_place_in_any_order() {
     assert_eq!(master.poll_download(), Some(Ok(18)));
 }
 
-/// What arrives whole and is not what was written is asked for again: a bit in any word of a record, its own number, or that of another.
+/// A record that arrives complete but differs from the written one is requested again: a wrong bit in any of
+/// its words, its number, or the number of another.
 #[test]
 fn a_record_counts_when_its_crc_is_right() {
     for bit in [0, 16, 47, 48, 80, 100, 140, 143] {
@@ -111,12 +113,13 @@ fn a_record_counts_when_its_crc_is_right() {
     assert_eq!(master.poll_download(), None, "record 1 where record 0 should be");
 }
 
-/// Words that stand across two frames of a record, as no drive sends them: with the zeros of a record that cannot be read they would pass for one, and the caller would miss a word of it.
+/// Words across two frames of a record, which no drive sends, make no record: with the zeros of a record that
+/// cannot be read they would pass for one, and the caller would miss a word of it.
 #[test]
 fn words_across_frames_make_no_record() {
     let mut master = raised(1);
     master.handle_frame(&said(RAISED), 1);
-    // Nor do they end the turn, the last of which ends where the record does.
+    // Nor do they end the pass, although the last of them ends with the record.
     for counter in [1, 4, 7] {
         master.handle_frame(&said(FromDrive::LogData { counter, data: [0; 3] }), 2);
         assert!(master.poll_chunk().is_none(), "{counter}");
@@ -148,7 +151,8 @@ fn zeros_stand_for_a_record_that_the_drive_cannot_read() {
     assert_eq!(bench.device.asked.len(), 5, "and are not asked for again");
 }
 
-/// Forty frames a record, four a tick, one chunk taken: less than a record has room in the meantime.
+/// A caller that takes one chunk per tick gets every record, at four frames per tick and forty per record:
+/// there is room for less than one record in between.
 #[test]
 fn a_slow_caller_gets_every_record() {
     for appetite in [1, 2, 3] {
@@ -159,12 +163,13 @@ fn a_slow_caller_gets_every_record() {
     }
 }
 
-/// A caller that sleeps until the next poll is due is not woken for a record that has no room before he has taken what has come.
+/// A caller that sleeps until the next poll is due is not woken for a record for which there is no room until
+/// it has taken the received chunks.
 #[test]
 fn a_gap_is_asked_for_when_there_is_room() {
     let mut master = raised(2);
     master.handle_frame(&said(RAISED), 1);
-    // Of the first record the middle is lost.
+    // The middle of the first record is lost.
     for (place, data) in [frames_of(0), frames_of(1)].concat().into_iter().enumerate() {
         if place != 1 {
             master.handle_frame(&said(FromDrive::LogData { counter: place as u16 * 3, data }), 2);

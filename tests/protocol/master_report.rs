@@ -1,4 +1,5 @@
-//! What the master knows of the drive: words, faults, states, measurements, parameters, with their ages.
+//! Tests of the master's knowledge of the drive: words, faults, states, measurements, parameters, with their
+//! ages.
 
 use crate::bench::frame;
 use crate::pair::{Pair, is_request, said};
@@ -49,7 +50,7 @@ fn parameters_are_read_at_the_beginning_and_kept() {
 fn reading_that_begins_anew_leaves_nothing_out() {
     let mut pair = Pair::new(Config::default());
     pair.run(100);
-    // Between a question and its answer.
+    // Waits for the time between a request and its answer.
     loop {
         pair.step();
         let asked = !pair.take_sent(is_request).is_empty();
@@ -67,7 +68,7 @@ fn reading_that_begins_anew_leaves_nothing_out() {
 fn a_drive_that_comes_back_is_read_again() {
     let mut pair = Pair::new(Config::default());
     pair.run(400);
-    // It falls silent: nothing arrives at the master.
+    // The drive falls silent: no frame arrives at the master.
     let silence = |pair: &mut Pair, milliseconds: u64| {
         for _ in 0..milliseconds * 10 {
             pair.now += 100;
@@ -131,7 +132,7 @@ fn the_exact_state_is_asked_for() {
         pair.run(60);
         assert_eq!(pair.master.state(), Some(state));
     }
-    // A state that contradicts a newer status word is not told.
+    // A state that contradicts a newer status word is not reported.
     let mut pair = Pair::quiet();
     pair.bench.enter(State::OpenLoop);
     pair.run(60);
@@ -195,7 +196,7 @@ fn measurements_have_names_units_and_ages() {
     assert_eq!((frame(206), frame(209), frame(110)), (None, None, None));
 }
 
-/// The speed by SL and HES in each control mode; the mode that rests says 0.
+/// The reported speed is that of the control mode, by SL and HES; the mode at rest reports 0.
 #[test]
 fn the_speed_is_that_of_the_control_mode() {
     use ControlMode::{Hall, Off, OpenLoop, Sensorless};
@@ -204,10 +205,10 @@ fn the_speed_is_that_of_the_control_mode() {
         (Some(Hall), -12, 0, 0),
         (Some(Sensorless), -4000, 0, -4000),
         (Some(Sensorless), 0, 3, 0),
-        // The field's speed, whatever hall sensors see of the rotor behind it.
+        // The speed is the field's, whatever the hall sensors see of the rotor behind it.
         (Some(OpenLoop), 500, 0, 500),
         (Some(OpenLoop), 500, 490, 500),
-        // The field of a calibration is not told.
+        // The field of a calibration is not reported.
         (Some(OpenLoop), 0, -60, -60),
         // A coasting rotor.
         (Some(Off), 0, 1200, 1200),
@@ -253,7 +254,7 @@ fn other_addresses_are_somebody_elses() {
     assert_eq!(master.report().last, Some(6));
 }
 
-/// A drive of another version has parameters that are not in this one's dictionary.
+/// A drive of another version has parameters that this dictionary does not have; they are ignored.
 #[test]
 fn a_parameter_that_is_not_known_here_is_passed_over() {
     let mut master = Master::new(Config::default());

@@ -1,4 +1,4 @@
-//! What the master asks of the node: answers, refusals, time-outs.
+//! Tests of the master's requests to the node: answers, refusals, time-outs.
 
 use crate::bench::IDENTITY;
 use crate::pair::{Pair, is_request, said};
@@ -91,7 +91,7 @@ fn refusals_carry_their_reason() {
             Some(0),
             "parameter 258 \"Reset calibration parameters\": not in this state of the drive",
         ),
-        // A bus of 0 V is no calibration.
+        // At a bus voltage of 0 V calibration is impossible.
         (
             State::Standby,
             Request::Run(Service::AutoCalibrate),
@@ -142,7 +142,7 @@ fn services_are_rising_edges() {
         let bus_voltage = Volts::from_milli(48_100);
         pair.bench.node.handle_status(Status { state: State::Standby, bus_voltage, ..Status::default() });
         let number = service as u16;
-        // Twice: the second needs its own edge.
+        // Twice: the second command needs its own edge.
         for _ in 0..2 {
             assert_eq!(pair.ask(Request::Run(service)).result, Ok(1), "{service:?}");
             let edge = [0, 1].map(|value| ToDrive::SetParameter { number, value });
@@ -169,7 +169,7 @@ fn messages_without_an_answer_are_checked_by_the_refused_frames() {
     assert_eq!(pair.ask(Request::DigitalOutputs(outputs)).result, refused, "the line is an input now");
     pair.bench.enter(State::HallClosedLoop);
     assert_eq!(pair.ask(Request::DisableHallSupply(false)).result, refused);
-    // This node has no scope beside it: what was asked to arm has neither done so nor refused.
+    // This node has no scope: the request to arm has neither succeeded nor been refused.
     assert_eq!(pair.ask(Request::TriggerScope).result, Ok(0));
     pair.bench.node.handle_scope(Report::State(ScopeState::Recording, 0));
     assert_eq!(pair.ask(Request::TriggerScope).result, refused, "it records");
@@ -247,7 +247,8 @@ fn what_is_not_answered_is_repeated_and_given_up() {
     assert_eq!(RequestError::NoAnswer.to_string(), "the drive does not answer");
 }
 
-/// A store may wait for long, until the drive is at rest; who asks more often than that on his own goes on doing so.
+/// A store may wait long, until the drive is at rest: it is requested a hundred times at least, and a
+/// caller's own requests beyond that still work.
 #[test]
 fn a_store_is_asked_for_a_hundred_times_at_least() {
     let rows = [(3, 100), (100, 100), (101, 101), (u8::MAX, 255)];
@@ -307,7 +308,7 @@ fn a_late_read_is_not_taken_for_the_answer_to_a_write() {
     assert_eq!(master.parameters().get(number::SPEED_RATE), Some(Heard { value: 1000, at: 10 }));
     master.handle_frame(&answer(5000, ParameterStatus::Done), 20);
     assert_eq!(master.poll_answer().map(|answer| answer.result), Some(Ok(5000)));
-    // Nor the other way round: a refused write for the answer to a read.
+    // Nor the other way round: a refused write does not count as the answer to a read.
     master.request(Request::Read { number: number::SPEED_RATE }).unwrap();
     while master.poll_frame(100).is_some() {}
     master.handle_frame(&answer(5000, ParameterStatus::WrongState), 110);

@@ -1,4 +1,5 @@
-//! Programming as the master does it, against a drive whose answers are written down: what it sends, what it leaves alone, and what ends it.
+//! Tests of programming by the master, against a drive with scripted answers: the frames that it sends, those
+//! that it ignores, and the events that end an update.
 
 use crate::download_bench::sent;
 use crate::pair::said;
@@ -17,7 +18,7 @@ const NEW: ImageVersion = ImageVersion { minor: 3, ..OLD };
 /// Four blocks, the last one of two bytes.
 const BYTES: [u8; 20] = *b"twenty bytes of code";
 const LENGTH: u32 = BYTES.len() as u32;
-/// Blocks of the image that the drive has room for at once.
+/// Number of blocks of the image for which the drive has room at once.
 const WINDOW: u16 = 32;
 
 fn image() -> Image {
@@ -38,7 +39,7 @@ const fn runs(version: ImageVersion) -> FromDrive {
     FromDrive::Update(UpdateAnswer::Version(version))
 }
 
-/// Where an update stands: what it has just sent, and waits for the answer to.
+/// Stage of an update, named by the message that was just sent and whose answer is awaited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum At {
     Device,
@@ -54,7 +55,7 @@ enum At {
     Confirm,
 }
 
-/// The answer that leads to each, and what is sent then.
+/// Answer that leads to each stage, and the message that is sent then.
 fn course() -> Vec<(At, FromDrive, Option<ToDrive>)> {
     let update = |request| Some(ToDrive::Update(request));
     vec![
@@ -81,7 +82,8 @@ impl Script {
         Self { master: Master::new(Config { read_parameters: false, ..Config::default() }), now: 10 * MS }
     }
 
-    /// As far as this. Of the stages after [`At::Reboot`] nothing is left to be sent; there the restart has yet to be asked for.
+    /// A script up to this stage. After stages later than [`At::Reboot`] nothing is left to be sent; in that
+    /// stage the restart has yet to be requested.
     fn at(end: At) -> Self {
         let mut script = Self::new();
         script.master.update(image()).unwrap();
@@ -152,7 +154,8 @@ fn one_update_at_a_time_and_none_by_a_silent_master() {
     assert_eq!(script.master.update(image()), Ok(()));
 }
 
-/// Whatever an update is about, and whether somebody sleeps until the next message is due.
+/// An abort takes effect at once, in any stage and also while the caller sleeps until the next message is
+/// due.
 #[test]
 fn an_abort_is_told_at_once() {
     let mut idle = Script::new();
@@ -175,7 +178,7 @@ fn an_abort_is_told_at_once() {
     }
 }
 
-/// What the drive says, in the stage that it ends.
+/// These answers of the drive end an update, each in its stage.
 #[test]
 fn what_ends_an_update() {
     use UpdateError::{Forgotten, Hardware, Older, OtherVersion, Refused, TooLong};
@@ -196,7 +199,7 @@ fn what_ends_an_update() {
         (At::Verifying, is(Idle, UpdateCode::Checksum), Refused(UpdateCode::Checksum)),
         (At::Waiting, is(Idle, Signature), Refused(Signature)),
         (At::Checking, runs(OLD), OtherVersion(OLD)),
-        // The flash would not take the confirmation.
+        // The flash did not accept the confirmation.
         (At::Confirm, is(Trial, Flash), Refused(Flash)),
     ] {
         let mut script = Script::at(at);
@@ -206,7 +209,7 @@ fn what_ends_an_update() {
     }
 }
 
-/// Answers that come late, twice, or to another master at the same address.
+/// Answers that come late, twice, or for another master at the same address are ignored.
 #[test]
 fn what_does_not_belong_to_a_stage_is_passed_over() {
     for (at, answer) in [
@@ -216,7 +219,7 @@ fn what_does_not_belong_to_a_stage_is_passed_over() {
         (At::Version, DEVICE),
         (At::Version, is(Idle, Flash)),
         (At::Begin, runs(NEW)),
-        // How the update before has ended.
+        // Result of the previous update.
         (At::Begin, is(Idle, Done)),
         (At::Begin, is(Marked, Done)),
         (At::Sending, FromDrive::Reboot),
@@ -237,7 +240,7 @@ fn what_does_not_belong_to_a_stage_is_passed_over() {
         script.hear(answer);
         assert_eq!(script.master.poll_update(), None, "{at:?}: {answer:?}");
         assert_eq!(script.master.update_progress(), other.master.update_progress(), "{at:?}: {answer:?}");
-        // And it goes on as if nothing had been said.
+        // The update goes on as before.
         for _ in 0..20 {
             script.now += 50 * MS;
             other.now += 50 * MS;
@@ -247,7 +250,8 @@ fn what_does_not_belong_to_a_stage_is_passed_over() {
     }
 }
 
-/// A drive that says it has restarted before it was asked to, for another master's sake, is not asked to once more: that would bring the old image back.
+/// A drive that reports a restart before it was requested, because of another master, is not requested again:
+/// that would bring the old image back.
 #[test]
 fn a_drive_that_restarts_by_itself_is_waited_for() {
     let mut script = Script::at(At::Reboot);
@@ -259,7 +263,7 @@ fn a_drive_that_restarts_by_itself_is_waited_for() {
     assert_eq!(script.sent(), [ToDrive::Update(UpdateRequest::Version)]);
 }
 
-/// A request for a restart that was lost is made again a second later, and not before.
+/// A lost request for a restart is repeated a second later, and not before.
 #[test]
 fn a_drive_that_has_not_restarted_is_asked_again() {
     let mut script = Script::at(At::Waiting);
@@ -275,7 +279,8 @@ fn a_drive_that_has_not_restarted_is_asked_again() {
     assert_eq!(again, 1000 * MS);
 }
 
-/// A part of the image is missing: on from where the drive is, in whatever stage it says so.
+/// If a part of the image is missing, the master goes on from the drive's position, in whatever stage it is
+/// reported.
 #[test]
 fn what_is_missing_is_sent_again() {
     let gap = status(Receiving, Sequence, 2, 6);
@@ -294,7 +299,8 @@ fn what_is_missing_is_sent_again() {
     }
 }
 
-/// A caller that sleeps until the next poll is due sends the same at the same time as one that always asks: a burst of blocks, then one after the other.
+/// A caller that sleeps until the next poll is due sends the same messages at the same times as one that
+/// always polls: a burst of blocks, then one after the other.
 #[test]
 fn polling_when_it_says_is_enough() {
     const END: u64 = 400 * MS;
@@ -311,7 +317,7 @@ fn polling_when_it_says_is_enough() {
             while let Some(block) = master.poll_update_frame(now, &bytes) {
                 messages.push((now, ToDrive::decode(&block).unwrap().1));
             }
-            // The drive answers at once; it has erased its slot when it is asked how far it is.
+            // The drive answers at once; it has erased its slot when its status is requested.
             if frames.iter().any(|message| matches!(message, ToDrive::Update(_))) {
                 let answer = answers.next().unwrap_or(status(Receiving, Done, 100, 0));
                 master.handle_frame(&said(answer), now);
@@ -324,7 +330,7 @@ fn polling_when_it_says_is_enough() {
     let (eager, _) = course(&|_, now| now + 100);
     let (lazy, polls) = course(&|master, now| {
         let next = master.next_poll(now);
-        // What an answer makes due is due at once; nothing else is.
+        // Messages that follow an answer are due at once; no others are.
         if next > now { next } else { now + 100 }
     });
     assert_eq!(lazy, eager);
@@ -337,7 +343,8 @@ fn polling_when_it_says_is_enough() {
     assert!(polls < 2 * blocks.len() + 20, "{polls} polls, {} blocks", blocks.len());
 }
 
-/// Bytes that the caller has not got any more are not sent; the drive says when it gives up.
+/// If the caller no longer has all bytes of the image, the missing ones are not sent; the drive determines
+/// when it gives up.
 #[test]
 fn an_image_that_is_shorter_than_it_was_said_to_be() {
     let mut script = Script::at(At::Sending);

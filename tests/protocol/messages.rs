@@ -1,4 +1,4 @@
-//! The table of messages and fields against the decoders, which were written without it.
+//! Tests of the table of messages and fields against the decoders, which were written without it.
 
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, Message, NAMES, Words};
 use narx_sim::random::Random;
@@ -11,7 +11,7 @@ fn fields_are_where_the_decoders_read_them() {
         for _ in 0..300 {
             let mut frame = decoded::random_frame(message, &mut || random.bits());
             if message.name == "REBOOT" {
-                // The one acknowledgement there is.
+                // The only valid acknowledgement.
                 frame = Words([1, 0, 0, 0]).frame(message.id(Addresses::FACTORY));
             }
             let words = Words::of(&frame).unwrap().1;

@@ -1,4 +1,4 @@
-//! The node: commands, answers, broadcasts, and what it must ignore.
+//! Tests of the node: commands, answers, broadcasts, and frames that it must ignore.
 
 use crate::bench::{Bench, IDENTITY, frame, speed};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive};
@@ -25,7 +25,7 @@ fn requests_and_set_points_become_commands() {
     bench.request(MotorMode::Standby);
     let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
     assert_eq!(requests, [Request::Shutdown, Request::Standby]);
-    // A repeated request is a command again: it feeds the time-out.
+    // A repeated request is a command again: it restarts the time-out.
     bench.request(MotorMode::Standby);
     assert_eq!(bench.commands().len(), 1);
 }
@@ -43,7 +43,7 @@ fn request_modes_that_do_not_exist_are_refused() {
 #[test]
 fn the_set_point_is_echoed_as_accepted() {
     let enable = [number::HALL_ENABLE, number::SENSORLESS_ENABLE, number::OPEN_LOOP_ENABLE];
-    // Enables of hall, sensorless, open loop; asked; accepted.
+    // Enables of hall, sensorless, open loop; requested; accepted.
     let cases = [
         ([0, 0, 0], 12_345, 12_345),
         ([0, 0, 1], 12_345, 700),
@@ -154,11 +154,11 @@ fn frames_that_are_not_obeyed_change_nothing_but_a_counter() {
         // Type 3, inbound type 0.
         (frame(0x0AAD_526E | 3 << 9, parameter), 0, 1),
         (frame(0x0AAD_506E, parameter), 0, 1),
-        // Another master; another drive, which is nobody's business; both at once.
+        // Another master; another drive, which is not counted; both at once.
         (frame(0x0AAD_526E ^ 1 << 19, parameter), 1, 0),
         (frame(0x0AAD_526E ^ 1 << 11, parameter), 0, 0),
         (frame(0x0AAD_526E ^ 1 << 11 ^ 1 << 19, parameter), 0, 0),
-        // No such opcode, or not of this type.
+        // The opcode does not exist, or has another type.
         (frame(0x0AAD_5203, 0), 1, 0),
         (frame(0x0AAD_5402, 1 << 32), 1, 0),
         (frame(0x0AAD_54C8, 0), 1, 0),
@@ -224,7 +224,7 @@ fn answers_go_before_measurements_and_what_finds_no_room_is_counted() {
     }
     assert_eq!(bench.messages().len(), 32);
     assert_eq!(bench.read(number::FRAMES_LOST).0, 8);
-    // Words and measurements that were never sent make room for newer ones.
+    // Words and measurements that were not yet sent are replaced by newer ones.
     bench.node.poll(500);
     bench.node.poll(1000);
     assert_eq!(bench.messages().len(), 2 + 6);
@@ -243,7 +243,7 @@ fn a_node_survives_its_serialised_form() {
     assert_eq!(again.poll_frame(), bench.node.poll_frame());
 }
 
-/// Frames that are often nearly right.
+/// Strategy of frames that are often nearly valid.
 fn any_frame() -> impl Strategy<Value = Frame> {
     let opcode = prop_oneof![3 => Just(2), 3 => Just(102), 3 => Just(110), 1 => 0..512_u32];
     let kind = prop_oneof![4 => Just(1), 1 => 0..4_u32];
@@ -263,7 +263,7 @@ fn any_frame() -> impl Strategy<Value = Frame> {
     )
 }
 
-/// Written from the protocol, not from the code: type and opcode, if the frame is one that this drive listens to.
+/// Type and opcode, if the frame is one for this drive; written from the protocol, not from the code.
 fn heard(frame: &Frame) -> Option<(u32, u32)> {
     let raw = frame.id().raw();
     let addressed = raw >> 19 & 0xFF == 0x55 && raw >> 11 & 0xFF == 0xAA;
@@ -297,7 +297,7 @@ proptest! {
             if heard.is_none() {
                 prop_assert_eq!(bench.node.outputs(), outputs);
             }
-            // Every frame is obeyed, answered, counted, or somebody else's.
+            // Every frame is carried out, answered, counted, or for another node.
             let counted = i64::from(bench.refused()) + i64::from(bench.malformed()) - counted;
             let answers = bench.messages().len();
             prop_assert!(counted <= 1 && answers <= 1);

@@ -1,4 +1,4 @@
-//! A master and a node that hand frames to each other: what the master suites share.
+//! A master and a node that exchange frames, shared by the master suites.
 
 use crate::bench::Bench;
 use narx_core::bus::Frame;
@@ -7,23 +7,23 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Answer, Config, Master, Request};
 use std::collections::VecDeque;
 
-/// One control tick, us.
+/// Control tick, us.
 pub(crate) const TICK: u64 = 100;
 
-/// What becomes of a frame: when its copies arrive, us after it was sent. None is a loss, two are a duplicate.
+/// Delays of the copies of a frame, us. None is a loss, two are a duplicate.
 pub(crate) type Fate = Vec<u64>;
 
-/// A master, a node in Standby, and what is between them.
+/// A master, a node in Standby, and the line between them.
 pub(crate) struct Pair {
     pub(crate) master: Master,
     pub(crate) bench: Bench,
-    /// us.
+    /// Present time, us.
     pub(crate) now: u64,
-    /// Fates of the next frames of either direction; afterwards frames arrive at the next tick.
+    /// Fates of the next frames in either direction; later frames arrive at the next tick.
     pub(crate) fates: VecDeque<Fate>,
-    /// Frames may overtake each other.
+    /// True if frames may overtake each other.
     pub(crate) disorderly: bool,
-    /// What the master has sent, and when.
+    /// Messages of the master with their times.
     pub(crate) sent: Vec<(u64, ToDrive)>,
     to_drive: Vec<(u64, Frame)>,
     from_drive: Vec<(u64, Frame)>,
@@ -47,12 +47,12 @@ impl Pair {
         }
     }
 
-    /// One that asks for nothing by itself but the exact state.
+    /// A pair whose master requests nothing by itself but the exact state.
     pub(crate) fn quiet() -> Self {
         Self::new(Config { read_parameters: false, ..Config::default() })
     }
 
-    /// One tick.
+    /// Runs one tick.
     pub(crate) fn step(&mut self) {
         self.now += TICK;
         let now = self.now;
@@ -84,7 +84,7 @@ impl Pair {
         (0..milliseconds * 1000 / TICK).for_each(|_| self.step());
     }
 
-    /// Asks, and waits for the answer.
+    /// Makes a request, and waits for the answer.
     pub(crate) fn ask(&mut self, request: Request) -> Answer {
         self.master.request(request).expect("there is room");
         self.answer()
@@ -101,7 +101,7 @@ impl Pair {
         panic!("every request is answered in time");
     }
 
-    /// Messages of the master that `wanted` wants, since the last call.
+    /// Messages of the master since the last call that `wanted` selects.
     pub(crate) fn take_sent(&mut self, wanted: impl Fn(&ToDrive) -> bool) -> Vec<ToDrive> {
         self.sent.drain(..).map(|(_, message)| message).filter(wanted).collect()
     }
@@ -115,7 +115,7 @@ fn send(line: &mut Vec<(u64, Frame)>, fate: Option<Fate>, now: u64, frame: Frame
     }
 }
 
-/// What has arrived by `now`, in the order of arrival.
+/// Frames that have arrived by `now`, in the order of arrival.
 fn arrived(line: &mut Vec<(u64, Frame)>, now: u64) -> Vec<Frame> {
     let mut frames: Vec<(u64, Frame)> = line.extract_if(.., |(at, _)| *at <= now).collect();
     frames.sort_by_key(|(at, _)| *at);
@@ -127,12 +127,12 @@ pub(crate) fn said(message: FromDrive) -> Frame {
     message.encode(Addresses::FACTORY)
 }
 
-/// A set-point or a request word.
+/// Returns whether a message is a set-point or a request word.
 pub(crate) fn is_command(message: &ToDrive) -> bool {
     matches!(message, ToDrive::MotorCommand { .. } | ToDrive::RequestWord(_))
 }
 
-/// Neither a command nor the question for the exact state.
+/// Returns whether a message is neither a command nor the request for the exact state.
 pub(crate) fn is_request(message: &ToDrive) -> bool {
     !is_command(message) && *message != ToDrive::RequestParameter { number: number::DRIVE_STATE }
 }

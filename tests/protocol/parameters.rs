@@ -1,4 +1,5 @@
-//! PARAMETER frames: what may be written when, what is refused why, and what a write sets off.
+//! Tests of PARAMETER frames: states in which a write is allowed, reasons for refusals, and effects of a
+//! write.
 
 use crate::bench::Bench;
 use narx_core::bus::narmotion::ParameterStatus::{
@@ -31,7 +32,7 @@ fn writes_and_their_answers() {
         (122, 0, 0, UnknownNumber),
         (255, 7, 0, UnknownNumber),
         (u16::MAX, 7, 0, UnknownNumber),
-        // There is no store and no log memory: a 0 is only a 0, the rising edge is refused and leaves no trace.
+        // Without a store and a log memory a 0 is just a 0; the rising edge is refused and changes nothing.
         (number::STORE, 0, 0, Done),
         (number::STORE, 1, 0, Storage),
         (number::STORE, 2, 0, OutOfRange),
@@ -85,9 +86,9 @@ fn every_writable_parameter_takes_its_whole_range() {
 
 #[test]
 fn state_decides_what_may_be_written() {
-    // By category as printed: these are live, the others wait for Standby, or Fault at standstill.
+    // By category in the specification: these are live, the others need Standby, or Fault at standstill.
     let live = ["04", "06", "13", "15", "16"];
-    // A rotor that coasts unseen has no speed either, and is not known to stand.
+    // A rotor that coasts unseen has no speed either, and does not count as standing.
     let states = State::ALL.into_iter().flat_map(|state| [(state, true), (state, false)]);
     for (state, standstill) in states {
         let stopped = state == State::Standby || (state == State::Fault && standstill);
@@ -108,7 +109,7 @@ fn state_decides_what_may_be_written() {
     }
 }
 
-/// Mechanical position as broadcast after the tick has reported `sectors`, 0.01 degrees.
+/// Mechanical position in the broadcast after the tick has reported `sectors`, 0.01 degrees.
 fn position(bench: &mut Bench, sectors: i32, now: u64) -> i32 {
     bench.node.handle_status(Status { state: State::Standby, sectors, ..Status::default() });
     bench.node.poll(now);
@@ -202,7 +203,7 @@ fn hall_calibration_is_requested_withdrawn_and_adopted() {
         assert_eq!(bench.read(number), (value, Done), "parameter {number}");
     }
     assert!(matches!(bench.events()[..], [Event::Coefficients(_)]));
-    // The same report again changes nothing that the master has set since.
+    // The same report again changes nothing that the master has written since.
     bench.write(number::HALL_ORDER, 0);
     bench.node.handle_status(report(State::Standby, HallCalibration::Done(wiring)));
     assert_eq!(bench.read(number::HALL_ORDER), (0, Done));
@@ -228,7 +229,7 @@ fn auto_calibration_zeroes_the_current_and_matches_the_supply() {
         bus_voltage: Volts::from_milli(48_250),
         ..Status::default()
     });
-    // Without a nominal supply there is nothing to calibrate by.
+    // Without a nominal supply there is no reference for the calibration.
     bench.write(number::AUTO_CALIBRATE, 0);
     assert_eq!(bench.write(number::AUTO_CALIBRATE, 1), (0, OutOfRange));
     bench.write(number::NOMINAL_SUPPLY, 48_000);
@@ -238,12 +239,12 @@ fn auto_calibration_zeroes_the_current_and_matches_the_supply() {
     assert_eq!(bench.read(number::HV_CURRENT_OFFSET), (35, Done));
     assert_eq!(bench.read(number::HV_VOLTAGE_OFFSET), (-250, Done));
     assert!(matches!(bench.events()[..], [Event::Coefficients(_)]));
-    // A supply that is far from nominal is no calibration error.
+    // A supply far from nominal is not corrected as a calibration error.
     bench.write(number::NOMINAL_SUPPLY, 24_000);
     bench.write(number::AUTO_CALIBRATE, 0);
     assert_eq!(bench.write(number::AUTO_CALIBRATE, 1), (0, OutOfRange));
     assert_eq!(bench.read(number::HV_CURRENT_OFFSET), (35, Done));
-    // Category 02 goes back to its factory values.
+    // Category 02 returns to its factory values.
     bench.write(number::RESET_CALIBRATION, 0);
     assert_eq!(bench.write(number::RESET_CALIBRATION, 1), (1, Done));
     assert_eq!(bench.read(number::HV_CURRENT_OFFSET), (0, Done));
@@ -293,7 +294,7 @@ fn restore_wants_the_serial_number_and_changes_nothing_before_the_reboot() {
     }
 }
 
-/// The device number that counts is the one of power-up, as with the addresses.
+/// The device number in force is the one of power-up, as with the addresses.
 #[test]
 fn a_new_device_number_waits_for_the_reboot() {
     let mut bench = Bench::new();

@@ -1,4 +1,4 @@
-//! Physical quantities at the ends of their ranges: what is converted saturates, and nothing wraps.
+//! Tests of physical quantities at the ends of their ranges: conversions saturate, and none wraps.
 
 use narx_core::units::{Duty, Volts};
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn a_duty_is_at_most_always_on() {
     assert_eq!(Duty::from_bits(u16::MAX), Duty::ONE);
 }
 
-/// Units of 2^-16 of a quotient, in arithmetic that has room for everything.
+/// Quotient in units of 2^-16, in arithmetic wide enough for everything.
 fn exact(numerator: i64, denominator: i32) -> i32 {
     let denominator = i128::from(if denominator == 0 { 1 } else { denominator });
     let scaled = i128::from(numerator) << 16;
@@ -31,7 +31,7 @@ fn a_quotient_is_rounded_and_saturates() {
         (2, 3, 0xAAAB),
         (-2, 3, -0xAAAB),
         (2, -3, -0xAAAB),
-        // Half of the least bit goes away from zero.
+        // Half of the lowest bit rounds away from zero.
         (1, 1 << 17, 1),
         (-1, 1 << 17, -1),
         (1, (1 << 17) + 1, 0),
@@ -57,7 +57,7 @@ fn a_quotient_is_rounded_and_saturates() {
 }
 
 proptest! {
-    /// Of any numbers, whether their quotient has room or not.
+    /// The conversion is right for any numbers, whether their quotient fits or not.
     #[test]
     fn any_quotient(numerator: i64, denominator: i32, bits in 0..64_u32) {
         for numerator in [numerator, numerator >> bits] {

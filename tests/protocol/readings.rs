@@ -1,4 +1,4 @@
-//! What the drive alone writes, read as parameters: facts of the board, and what the control tick has seen.
+//! Tests of parameters that the drive alone writes: facts of the board, and observations of the control tick.
 
 use crate::bench::{Bench, IDENTITY};
 use crate::wired::Wired;
@@ -52,7 +52,7 @@ fn what_the_tick_reports_of_zero_crossings() {
     }
 }
 
-/// Hall sensors that lie, and what bounds the motor meanwhile, read over the bus.
+/// Wrong hall sensors, and the limit that bounds the motor meanwhile, can be read over the bus.
 #[test]
 fn what_the_tick_sees_of_the_hall_sensors() {
     let mut wired = Wired::turning();

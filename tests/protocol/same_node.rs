@@ -1,4 +1,5 @@
-//! Nodes are the same if what they are and what waits in them is: a transcript that runs again is compared so.
+//! Tests of the equality of nodes: they are equal if their state and their waiting messages are; a transcript
+//! that runs again is compared in this way.
 
 use crate::bench::Bench;
 use narx_core::bus::narmotion::{Addresses, MotorMode, RequestWord, ToDrive};
@@ -14,7 +15,7 @@ fn drain(node: &mut Node) {
     while node.poll_event().is_some() {}
 }
 
-/// A broadcast waits, two words and six measurements, and a record of the scope is sent.
+/// A node with a waiting broadcast, two words and six measurements, that is sending a record of the scope.
 fn node() -> Node {
     let mut node = Bench::new().node;
     node.poll(0);
@@ -32,7 +33,7 @@ fn block(words: [u16; 3]) -> Report {
 fn what_waits_tells_nodes_apart() {
     let request = |node: &mut Node, mode| send(node, ToDrive::RequestWord(RequestWord { mode }));
     let less = |node: &mut Node| assert!(node.poll_frame().is_some());
-    // After so many frames, what happens to the one, and to the other.
+    // After these many frames, the events of one node, and of the other.
     type Happens<'a> = &'a dyn Fn(&mut Node);
     let cases: [(&str, usize, Happens<'_>, Happens<'_>); 8] = [
         ("a set-point", 0, &|node| send(node, ToDrive::MotorCommand { speed: 1 }), &|node| {
@@ -62,7 +63,7 @@ fn what_waits_tells_nodes_apart() {
     }
 }
 
-/// A queue that others have gone through is no other queue.
+/// A queue does not differ by the messages that have passed through it.
 #[test]
 fn what_has_passed_leaves_no_trace() {
     let mut node = node();

@@ -1,4 +1,4 @@
-//! The virtual scope: what it records, when, and how the record reaches the master.
+//! Tests of the virtual scope: its records, their triggers, and their download.
 
 use crate::scope_bench::{
     Pair, ask, bits, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
@@ -18,7 +18,7 @@ use narx_sim::plant::{Injection, LoadConfig};
 use narx_sim::session::Session;
 use proptest::prelude::*;
 
-/// The record, a row for each sample.
+/// Downloads the record; a row for each sample.
 fn download(session: &mut Session, signals: usize, samples: usize) -> Vec<Vec<i16>> {
     let record: Vec<i16> = words(session, signals * samples).into_iter().map(|word| word as i16).collect();
     record.chunks(signals).map(<[i16]>::to_vec).collect()
@@ -39,7 +39,7 @@ fn the_table_is_in_the_order_of_the_bits() {
     assert_eq!(Signal::of_bit(DRIVE_SIGNALS.len() as u8), None);
 }
 
-/// What is recorded is what the drive answered and what the plant did, tick by tick.
+/// A record has the drive's answers and the plant's values, tick by tick.
 #[test]
 fn a_record_is_what_happened() {
     use Signal::{BusVoltage, Duty, SpeedHall, Step};
@@ -58,7 +58,7 @@ fn a_record_is_what_happened() {
     assert!(seen.len() > 100, "some of it went by while the request was answered: {}", seen.len());
     let record = download(&mut session, signals.len(), 300);
     let recorded = record.iter().map(|sample| [sample[2], sample[3]].map(i32::from));
-    // The last sample was that of the last tick.
+    // The last sample is that of the last tick.
     assert!(recorded.rev().zip(seen.iter().rev()).all(|(recorded, seen)| recorded == *seen));
     for sample in &record {
         let speed = value(SpeedHall, sample[0]);
@@ -71,7 +71,8 @@ fn a_record_is_what_happened() {
     assert!((70..=74).contains(&steps), "{steps}");
 }
 
-/// Every signal is the drive's own value in its base: beside the reports of the same time, under load in reverse.
+/// Every signal has the drive's own value in its base, compared with the reports of the same time, under load
+/// in reverse.
 #[test]
 fn every_signal_is_what_the_drive_reports() {
     let all = DRIVE_SIGNALS.map(|row| row.signal);
@@ -101,7 +102,7 @@ fn every_signal_is_what_the_drive_reports() {
     let duty = limits[0] / limits[1];
     let voltage = reported(&|status| raw(status.bus_voltage.to_bits()));
     let current = reported(&|status| raw(status.bus_current.to_bits()));
-    // (signal, what it should be on average, how far it may be off)
+    // (signal, expected mean, largest deviation)
     let table = [
         (Signal::SetPoint, reported(&|status| rpm(status.setpoint)), 2.0),
         (Signal::SpeedSensorless, 0.0, 0.0),
@@ -118,12 +119,12 @@ fn every_signal_is_what_the_drive_reports() {
         (Signal::Hall, 3.5, 0.3),
         (Signal::Crossing, 0.0, 0.0),
         (Signal::CrossingMargin, 0.0, 0.0),
-        // Less dead time; a shunt in the bus sees the phase current times the duty.
+        // Less dead time; a shunt in the bus measures the phase current times the duty.
         (Signal::LoopVoltage, duty * voltage, 0.4),
         (Signal::PhaseCurrent, current / duty, 0.2),
         (Signal::Fault, -1.0, 0.0),
         (Signal::Inputs, 0.0, 0.0),
-        // A revolution and a half.
+        // 1.5 revolutions.
         (Signal::Position, 180.0, 60.0),
     ];
     assert!(current > 0.3 && steps[1..].iter().all(|seen| *seen), "{current} A through all six steps");
@@ -134,7 +135,8 @@ fn every_signal_is_what_the_drive_reports() {
         .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert_eq!(table.len() + 3, all.len(), "and the terminals:");
-    // Steps in which a terminal is switched, and in which it is held low. A sample takes six ticks of the eight of a step.
+    // Steps in which a terminal is switched, and in which it is held low. A sample is taken in six of the
+    // eight ticks of a step.
     let terminals = [
         (Signal::TerminalA, [1.0, 2.0], [4.0, 5.0]),
         (Signal::TerminalB, [3.0, 4.0], [1.0, 6.0]),
@@ -152,7 +154,8 @@ fn every_signal_is_what_the_drive_reports() {
     }
 }
 
-/// Why-channels of a motor without sensors, and its terminals: six signals take two ticks a sample.
+/// The outcome and margin of the crossings of a motor without sensors can be recorded, and its terminals: six
+/// signals take two ticks a sample.
 #[test]
 fn a_sensorless_motor_tells_why() {
     use Signal::{Angle, Crossing, CrossingMargin, Limiter, SpeedSensorless, TerminalA};
@@ -172,7 +175,8 @@ fn a_sensorless_motor_tells_why() {
         assert_eq!(value(Crossing, sample[4]), 1.0, "accepted");
         assert!(value(CrossingMargin, sample[5]).abs() < 10.0);
     }
-    // The angle runs on in every tick, asleep or not: 28.8 degrees in 0.2 ms at 400 Hz.
+    // The angle runs on in every tick, also in those in which the drive rests: 28.8 degrees in 0.2 ms at 400
+    // Hz.
     for pair in record.windows(2) {
         let turned = (value(Angle, pair[1][2]) - value(Angle, pair[0][2])).rem_euclid(360.0);
         assert!((20.0..38.0).contains(&turned), "{turned}");
@@ -204,10 +208,10 @@ fn prescaler_and_pre_trigger() {
     assert!(gains.iter().all(|gain| (gain - mean).abs() < mean + 3.0), "{gains:?}");
 }
 
-/// A trigger by a level, from either side, and by an edge, begins the record where the signal crosses it.
+/// A trigger by a level, from either side, or by an edge, begins the record where the signal crosses it.
 #[test]
 fn levels_and_edges() {
-    // (kind, level in thousandths of 5000 rpm, speed before and after, the sample before the trigger's own is beyond the level, too)
+    // (kind, level in thousandths of 5000 rpm, speed before and after)
     let cases = [(1, 400, 1000, 3000), (2, 400, 3000, 1000), (3, 400, 1000, 3000), (4, 400, 3000, 1000)];
     for (kind, level, from, to) in cases {
         let mut session = running(Mode::Hall, from);
@@ -227,7 +231,7 @@ fn levels_and_edges() {
         assert!(record[..40].iter().all(|sample| !beyond(sample)), "{kind}");
         assert!(beyond(&record[40]), "{kind}: {:?}", record[40]);
     }
-    // A level that holds at once triggers at once; an edge that is over does not.
+    // A level that is already exceeded triggers at once; an edge that has passed does not.
     for (kind, done) in [(1, true), (3, false)] {
         let mut session = running(Mode::Hall, 3000);
         set_up(&mut session, &[Signal::SpeedHall], 10, 1, 2);
@@ -238,7 +242,8 @@ fn levels_and_edges() {
     }
 }
 
-/// The fault is in the record, which waits through acknowledgement and another start until somebody fetches it.
+/// The record contains the fault, and is kept through acknowledgement and another start until it is
+/// downloaded.
 #[test]
 fn a_capture_of_a_fault_survives() {
     let signals = [Signal::Duty, Signal::State, Signal::Fault, Signal::Inputs];
@@ -278,7 +283,7 @@ fn what_does_not_fit_is_refused() {
     session.run(0.01);
     assert_eq!(refused(&session), 1);
     let (one, all) = ([Signal::BusVoltage], DRIVE_SIGNALS.map(|row| row.signal));
-    // Signals that there are not, and none.
+    // Signals that do not exist, and none.
     for raw in [1 << DRIVE_SIGNALS.len(), 0] {
         assert!(ask(&mut session, Request::Write { number: number::SCOPE_CHANNELS, raw }).result.is_err());
     }
@@ -289,11 +294,11 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(scope_state(&session), ScopeState::Recording as i32);
     assert!(press(&mut session).result.is_err());
     wait(&mut session, ScopeState::Done);
-    // Changing the parameters does not change what was recorded.
+    // Changing the parameters does not change the record.
     write(&mut session, number::SCOPE_SAMPLES, 10);
     assert_eq!(download(&mut session, 1, 4096).len(), 4096);
-    // What cannot be kept as it is asked for: the record before stays, and parameter 306 says why. 4096 words for 23 signals are 178 samples
-    // of each, and reading them takes 6 ticks.
+    // Settings that cannot be recorded are refused: the earlier record stays, and parameter 306 has the
+    // reason. 4096 words for 23 signals are 178 samples of each, and reading them takes 6 ticks.
     let read = |session: &Session, number| session.bench().node().read_parameter(number).unwrap();
     assert_eq!(read(&session, number::SCOPE_ROOM), 4096);
     for (samples, prescaler, before, reason) in [
@@ -314,18 +319,18 @@ fn what_does_not_fit_is_refused() {
             assert_eq!(download(&mut session, 1, 4096).len(), 4096, "the record before");
         }
     }
-    // It is armed: what there was is gone.
+    // Arming has deleted the earlier record.
     session.bench_mut().send(ToDrive::DownloadScope.encode(Addresses::FACTORY)).unwrap();
     session.run(0.01);
     assert_eq!(read(&session, number::SCOPE_REFUSAL), Refusal::NoRecord as i32);
-    // Forced at once: the samples before the trigger are waited for.
+    // Forced at once: the samples before the trigger are still recorded first.
     press(&mut session);
     wait(&mut session, ScopeState::Done);
     let record = download(&mut session, 23, 178);
     assert!(record.iter().all(|sample| (value(Signal::BusVoltage, sample[3]) - 18.0).abs() < 0.5));
 }
 
-/// Of what 500 kbit/s allow, in stuffed bits, while the drive broadcasts once a minute.
+/// While the drive broadcasts once a minute, a download takes all that 500 kbit/s allow, in stuffed bits.
 #[test]
 fn a_download_takes_all_of_the_bus() {
     let mut session = session(Mode::Hall);
@@ -344,7 +349,7 @@ fn a_download_takes_all_of_the_bus() {
     assert!(load >= 0.95, "{load}");
 }
 
-/// A download that is asked for again begins anew, and arming ends it.
+/// A repeated request for a download begins it anew, and arming ends it.
 #[test]
 fn a_download_begins_anew() {
     let mut session = session(Mode::Hall);
@@ -367,7 +372,7 @@ fn a_download_begins_anew() {
     assert!(frames < 100, "only broadcasts: {frames}");
 }
 
-/// The drive answers the same bits whether somebody looks or not.
+/// The drive gives the same bits with and without a scope record.
 #[test]
 fn looking_changes_nothing() {
     for mode in [Mode::Hall, Mode::Sensorless] {
@@ -376,7 +381,7 @@ fn looking_changes_nothing() {
             session.start(3000);
             session.run(3.0);
             let request = |session: &mut Session, message: ToDrive| {
-                // As many frames in both runs, so that commands arrive at the same time.
+                // Equal numbers of frames in both runs, so that commands arrive at the same times.
                 let message = if looks { message } else { ToDrive::RequestBuildInfo };
                 session.bench_mut().send(message.encode(Addresses::FACTORY)).unwrap();
             };
@@ -401,7 +406,8 @@ fn drive() -> Drive {
     Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap())
 }
 
-/// What comes before there are enough samples: a level is not the one that was meant, a change of state is not forgotten.
+/// A trigger that comes before there are enough samples is ignored if it is a level, and remembered if it is
+/// a change of state.
 #[test]
 fn triggers_that_come_too_early() {
     let threshold = Threshold { signal: Signal::BusVoltage, level: 6 * 256, above: true };
@@ -412,7 +418,8 @@ fn triggers_that_come_too_early() {
         trigger,
         ..Setup::default()
     };
-    // Initialization ends half a second after power-up. A pulse of the bus at 10 ticks after the arming, and another at 80.
+    // Initialization ends half a second after power-up. The bus has a pulse 10 ticks after the arming, and
+    // another at 80.
     let run = |trigger| {
         let mut scope = Pair::new::<200>();
         let mut drive = drive();
@@ -480,7 +487,8 @@ fn setups() -> impl Strategy<Value = Setup> {
 }
 
 proptest! {
-    /// Any memory, any requests at any time: a record that is done has as many samples as were asked for, and is read whole; more than fit are not begun.
+    /// With any memory and any requests at any time, a finished record has the requested number of samples
+    /// and is read completely; one that does not fit is not begun.
     #[test]
     fn whatever_is_asked(
         small in any::<bool>(),

@@ -9,7 +9,7 @@ use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
 
-/// A motor that runs with hall sensors, or is about to.
+/// A session with a motor in this mode that is ready to start.
 pub(crate) fn session(mode: Mode) -> Session {
     let preset = preset("ec45-flat-50w-18v").unwrap();
     let config = SessionConfig {
@@ -44,7 +44,7 @@ pub(crate) fn write(session: &mut Session, number: u16, raw: i32) {
     assert!(answer.result.is_ok(), "{answer:?}");
 }
 
-/// Bits of parameter 22.
+/// Value of parameter 22 for these signals.
 pub(crate) fn bits(signals: &[Signal]) -> i32 {
     signals.iter().map(|signal| 1 << *signal as i32).sum()
 }
@@ -80,7 +80,7 @@ pub(crate) fn wait(session: &mut Session, state: ScopeState) {
     panic!("the scope stays {}", scope_state(session));
 }
 
-/// So many words of the record, as they came over the bus.
+/// This many words of the record, as received over the bus.
 pub(crate) fn words(session: &mut Session, words: usize) -> Vec<u16> {
     session.master().download(Download::Scope { words: words as u32 }).unwrap();
     let mut record = vec![None; words];
@@ -107,7 +107,7 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// With a memory of `N` words.
+    /// A scope with a memory of `N` words.
     pub(crate) fn new<const N: usize>() -> Self {
         let memory: Box<Memory> = Box::new(Memory::<[u16; N]>::new());
         let mut keeper = Keeper::new(memory);
@@ -138,7 +138,7 @@ impl Pair {
         }
     }
 
-    /// What the node would be told.
+    /// Report that the node would get.
     pub(crate) fn poll(&mut self) -> Option<Report> {
         self.exchange();
         self.keeper.poll_report()

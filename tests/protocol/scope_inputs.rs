@@ -1,4 +1,5 @@
-//! The scope's recording mode: the inputs of every tick behind the drive's state, downloaded over the bus, run again bit for bit.
+//! Tests of the scope's recording mode: the inputs of every tick after the drive's state, downloaded over the
+//! bus, and run again bit for bit.
 
 use crate::scope_bench::{
     Pair, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
@@ -24,7 +25,7 @@ fn ask_for_inputs(session: &mut Session, ticks: i32, before: i32) {
     write(session, number::SCOPE_INPUTS, 1);
 }
 
-/// Everything that was recorded, over the bus.
+/// Downloads the whole record over the bus.
 fn fetch(session: &mut Session) -> Vec<u16> {
     assert_eq!(scope_state(session), ScopeState::Done as i32);
     let length = session.bench().node().read_parameter(number::SCOPE_WORDS).unwrap();
@@ -39,7 +40,8 @@ fn ticks(recording: &[u8]) -> Vec<Tick> {
     Recording::open(recording).unwrap().ticks().map(Result::unwrap).collect()
 }
 
-/// What the scope's recording holds is what the bench recorded of the same ticks, and it runs again to the same commands.
+/// Checks that the scope's recording has the ticks that the bench recorded at the same time, and gives the
+/// same commands when it runs again.
 fn holds_what_happened(session: &Session, scoped: &Scoped<RecordingBuffer>) {
     let bench = session.bench().recording();
     let all = ticks(&bench);
@@ -52,7 +54,7 @@ fn holds_what_happened(session: &Session, scoped: &Scoped<RecordingBuffer>) {
     assert!(outcome.is_identical());
     assert_eq!(outcome.other_behaviour, None);
 
-    // The drive that has lived through everything, against the one that began at the checkpoint.
+    // Compares the drive with its whole history with the one that began at the checkpoint.
     let whole = Recording::open(&bench).unwrap();
     let part = Recording::open(&scoped.sink.0).unwrap();
     let mut old: Drive = postcard::from_bytes(whole.state()).unwrap();
@@ -84,14 +86,14 @@ fn a_fault_is_run_again() {
         assert_eq!(scope_state(&session), ScopeState::Armed as i32);
         session.bench_mut().plant_mut().inject(Injection::Break);
         wait(&mut session, ScopeState::Done);
-        // It waits as long as it has to.
+        // The record is kept as long as necessary.
         session.run(1.0);
         let scoped = rerun(&fetch(&mut session));
         assert_eq!(scoped.agrees, Some(true), "{mode:?}");
         assert!((335..=685).contains(&scoped.ticks), "{mode:?}: {} ticks", scoped.ticks);
         holds_what_happened(&session, &scoped);
 
-        // The fault lies where the trigger was asked for: 200 ticks follow it.
+        // The fault is at the requested position of the trigger: 200 ticks follow it.
         let recording = Recording::open(&scoped.sink.0).unwrap();
         let mut drive: Drive = postcard::from_bytes(recording.state()).unwrap();
         let mut driving = 0;
@@ -107,7 +109,8 @@ fn a_fault_is_run_again() {
     }
 }
 
-/// Whatever the drive is told meanwhile: set-points, slow measurements, calibration, and new coefficients, which begin anew.
+/// The recording includes all that the drive gets meanwhile: set-points, slow measurements, calibration, and
+/// new coefficients, which begin a new segment.
 #[test]
 fn commands_and_parameters_on_the_way() {
     let mut session = running(ControlMode::Hall, 2000);
@@ -126,7 +129,7 @@ fn commands_and_parameters_on_the_way() {
     assert!(events.into_iter().any(|event| matches!(event, Event::Command(_) | Event::SetPoint(_))));
 }
 
-/// A motor that starts, in the middle of everything: 68 ms at most stand in the memory, 34 ms at least.
+/// During the start of a motor a forced record has 68 ms at most and 34 ms at least.
 #[test]
 fn forced_at_any_instant() {
     for wait_ms in [0, 7, 33, 34, 35, 68, 100, 250, 400, 700] {
@@ -147,7 +150,7 @@ fn forced_at_any_instant() {
     }
 }
 
-/// After the trigger as many ticks as were asked for, while they fit behind it.
+/// The requested number of ticks follows the trigger, as far as they fit.
 #[test]
 fn the_trigger_is_never_lost() {
     for asked in [1, 50, 300, 340, 2000] {
@@ -156,7 +159,7 @@ fn the_trigger_is_never_lost() {
         press(&mut session);
         session.run(0.123);
         press(&mut session);
-        // By now it has come.
+        // The trigger has come by now.
         let triggered = session.bench().now_ns() / 100_000;
         wait(&mut session, ScopeState::Done);
         let scoped = rerun(&fetch(&mut session));
@@ -189,7 +192,8 @@ fn damaged_words_are_refused() {
         words[place] = word;
         assert_eq!(error(&words).to_string(), expected);
     }
-    // The sixth word of the first tick, behind the head, that of the segment and the drive's state: it has a bit that means nothing.
+    // The sixth word of the first tick, after the head, the segment's head and the drive's state: it has a
+    // bit without a meaning.
     let what = 6 + 7 + usize::from(words[11]).div_ceil(2) + 5;
     let mut other = words.clone();
     other[what] |= 0x8000;
@@ -198,7 +202,7 @@ fn damaged_words_are_refused() {
     assert!(matches!(record_scoped(&words, &label, RecordingBuffer::default()), Err(ScopedError::Record(_))));
 }
 
-/// The record of a scope that is done.
+/// Reads the record of a scope that is done.
 fn read(pair: &mut Pair) -> Vec<u16> {
     pair.handle(Request::Read);
     let (mut words, mut length) = (Vec::new(), 0);
@@ -214,7 +218,7 @@ fn read(pair: &mut Pair) -> Vec<u16> {
     words
 }
 
-/// Each half has to have room for the longest tick, of 26 words.
+/// Each half needs room for the longest tick, of 26 words.
 #[test]
 fn a_memory_too_small_for_inputs_records_signals_alone() {
     for (mut pair, inputs) in [(Pair::new::<51>(), ScopeState::Idle), (Pair::new::<52>(), ScopeState::Armed)]
@@ -230,7 +234,8 @@ fn a_memory_too_small_for_inputs_records_signals_alone() {
     }
 }
 
-/// Who asks for no samples gets no record of signals, and one of inputs with the tick of the trigger.
+/// A request for no samples gives no record of signals, and a recording of inputs with the tick of the
+/// trigger.
 #[test]
 fn a_recording_has_at_least_one_tick() {
     let mut pair = Pair::new::<600>();
@@ -307,7 +312,8 @@ fn events() -> impl Strategy<Value = Option<Event>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Any inputs at all: what is read is what was given, and it leads from the first state to the same commands.
+    /// With any inputs the record has exactly those inputs, and leads from the first state to the same
+    /// commands.
     #[test]
     fn any_inputs(given in prop::collection::vec((events(), samples()), 1..400), end in 0..400_usize) {
         let mut pair = Pair::new::<600>();
@@ -338,7 +344,7 @@ proptest! {
             prop_assert_eq!(inputs.tick_rate, 20_000);
             let read: Vec<_> =
                 inputs.segments().flat_map(|segment| segment.ticks().map(Result::unwrap)).collect();
-            // Health is not kept: what comes before it is the last.
+            // Health is not recorded: the input before it is the last.
             if lived.last().is_some_and(|(event, _)| matches!(event, Some(Event::Health(_)))) {
                 lived.pop();
             }
@@ -349,7 +355,7 @@ proptest! {
         }
     }
 
-    /// Words from anywhere are refused or run; nothing panics.
+    /// Arbitrary words are refused or run; nothing panics.
     #[test]
     fn any_words(mut words in prop::collection::vec(any::<u16>(), 0..200), segments in 0..4_u16) {
         for (word, is) in words.iter_mut().zip([0x4e01, 4, 4, 10_000, 0, segments, 0, 0, 0, 0]) {

@@ -1,11 +1,12 @@
-//! The node between a master and the scope: what it passes on, and what it knows before the scope has answered.
+//! Tests of the node between a master and the scope: the messages that it passes on, and its knowledge before
+//! the scope has answered.
 
 use crate::bench::Bench;
 use narx_core::bus::narmotion::{FromDrive, ParameterStatus, ToDrive};
 use narx_core::dictionary::number;
 use narx_core::scope::{Block, Report, Request, State};
 
-/// To arm and to force are one message: the second one of two does not overtake the first.
+/// Arming and forcing are one message: the second of two does not overtake the first.
 #[test]
 fn nothing_is_forced_before_the_scope_is_armed() {
     let mut bench = Bench::new();
@@ -20,7 +21,7 @@ fn nothing_is_forced_before_the_scope_is_armed() {
     assert_eq!(bench.refused(), 1);
 }
 
-/// Parameter 25 is of what would be recorded: inputs are those of every tick, whatever the prescaler.
+/// Parameter 25 refers to the coming record: inputs are recorded in every tick, whatever the prescaler.
 #[test]
 fn the_sampling_time_of_inputs_is_a_tick() {
     let mut bench = Bench::new();
@@ -31,7 +32,8 @@ fn the_sampling_time_of_inputs_is_a_tick() {
     assert_eq!(bench.read(number::SCOPE_SAMPLING_TIME), (100, ParameterStatus::Done));
 }
 
-/// A block that finds no room is not sent, nor is what comes behind it: the record has no gap, and the block can be told again.
+/// A block for which there is no room is not sent, nor are those after it: the record has no gap, and the
+/// block can be reported again.
 #[test]
 fn a_block_without_room_is_told_again() {
     let mut bench = Bench::new();

@@ -1,4 +1,4 @@
-//! What a bus monitor or a master prints of frames and answers.
+//! Tests of the texts that a bus monitor or a master prints of frames and answers.
 
 use narx_core::bus::frame::InvalidFrame;
 use narx_core::bus::narmotion::update::{ImageVersion, UpdateCode};
@@ -35,7 +35,7 @@ fn an_answer_to_a_parameter_is_told_in_words() {
     }
 }
 
-/// Each code in words of its own, whatever state it is told in.
+/// Each code has words of its own, in whatever state it is reported.
 #[test]
 fn an_update_is_told_in_words() {
     use UpdateCode as C;

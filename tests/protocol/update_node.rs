@@ -1,4 +1,5 @@
-//! Programming as the node does it: what its slot is asked, answer by answer, and what the master is told.
+//! Tests of programming by the node: its requests to the slot, answer by answer, and its reports to the
+//! master.
 
 use crate::bench::{Bench, IDENTITY};
 use UpdateCode::{Aborted, Done, Flash, NotNow, Sequence};
@@ -22,13 +23,13 @@ const SLOTS: Slots = Slots {
 /// Bytes of the image: a hundred blocks, one page.
 const LENGTH: u32 = 600;
 const BLOCKS: u16 = 100;
-/// Blocks that may wait to be written, and how many of them are written at once.
+/// Number of blocks that may wait to be written, and number of those that are written at once.
 const WINDOW: u16 = 2 * PIECE_BLOCKS;
 const PIECE_BLOCKS: u16 = (PIECE / BLOCK) as u16;
-/// Ticks from the beginning until the slot is touched.
+/// Ticks from the beginning until the slot is changed.
 const SETTLED: u64 = 50;
 
-/// A node whose slot does what the test says.
+/// A node with a scripted slot.
 struct Drive {
     bench: Bench,
     now: u64,
@@ -43,7 +44,7 @@ impl Drive {
         drive
     }
 
-    /// Waits for blocks.
+    /// A drive that waits for blocks.
     fn receiving() -> Self {
         let mut drive = Self::new(SLOTS.condition);
         drive.ask(begin(LENGTH));
@@ -52,7 +53,7 @@ impl Drive {
         drive
     }
 
-    /// Has every block, and none that waits to be written.
+    /// A drive that has received and written every block.
     fn complete() -> Self {
         let mut drive = Self::receiving();
         for block in 0..BLOCKS {
@@ -67,7 +68,8 @@ impl Drive {
         self.bench.node.poll(self.now);
     }
 
-    /// Does what the slot is asked until there is nothing more; what that was. What is read back is right.
+    /// Answers the requests to the slot until there are no more; returns them. A checksum that is read back
+    /// is right.
     fn serve(&mut self) -> Vec<Request> {
         std::iter::from_fn(|| {
             let request = self.bench.node.poll_update()?;
@@ -78,7 +80,7 @@ impl Drive {
         .collect()
     }
 
-    /// Everything that it has said of the update since the last call.
+    /// Reports about the update since the last call.
     fn heard(&mut self) -> Vec<UpdateStatus> {
         let status = |message| match message {
             FromDrive::Update(UpdateAnswer::Status(status)) => Some(status),
@@ -96,7 +98,7 @@ impl Drive {
         }
     }
 
-    /// Sends a block; what is said to it.
+    /// Sends a block; returns the answers.
     fn send(&mut self, block: u16) -> Vec<UpdateStatus> {
         self.heard();
         self.bench.send(ToDrive::Update(UpdateRequest::Data { block, data: [block as u8; BLOCK] }));
@@ -110,7 +112,7 @@ impl Drive {
     }
 }
 
-/// What the slot says that it has read back.
+/// Checksum that the slot reads back.
 const CRC: u32 = 0x1234_5678;
 const END: UpdateRequest = UpdateRequest::End { crc: CRC };
 
@@ -122,14 +124,14 @@ const fn at(code: UpdateCode, window: u16, offset: u32) -> UpdateStatus {
     UpdateStatus { state: Receiving, code, window, offset }
 }
 
-/// One answer for each gap: as many as blocks would fill the bus.
+/// Each gap gets one answer: one for each block would fill the bus.
 #[test]
 fn a_block_that_is_not_the_next_is_told_once() {
     let mut drive = Drive::receiving();
     assert_eq!((drive.send(0), drive.send(1)), (vec![], vec![]));
     assert_eq!(drive.send(3), [at(Sequence, WINDOW - 2, 12)]);
     assert_eq!((drive.send(4), drive.send(99)), (vec![], vec![]));
-    // The missing one, then what was here before: neither is worth a word.
+    // The missing block, then earlier ones: neither gets an answer.
     assert_eq!((drive.send(2), drive.send(1), drive.send(0)), (vec![], vec![], vec![]));
     assert_eq!(drive.send(4), [at(Sequence, WINDOW - 3, 18)], "another gap");
     assert_eq!(drive.bench.refused(), 0);
@@ -165,7 +167,7 @@ fn a_block_behind_the_end_is_none() {
     assert_eq!(drive.serve().last(), Some(&Request::Mark { length: LENGTH }));
 }
 
-/// The last pieces are written before anything is read back; the master is not told of each any more.
+/// The last pieces are written before anything is read back; the master gets no report of each of them.
 #[test]
 fn an_end_waits_for_what_is_not_written() {
     let mut drive = Drive::receiving();
@@ -198,7 +200,8 @@ fn an_end_waits_for_what_is_not_written() {
     assert_eq!(told, [(Marked, Done)]);
 }
 
-/// Asked again because the answer was lost, or because the master has changed its mind.
+/// A second beginning, because the answer was lost or the master has changed its mind, goes on or begins anew
+/// as needed.
 #[test]
 fn a_second_beginning() {
     let mut erasing = Drive::new(SLOTS.condition);
@@ -237,7 +240,7 @@ fn a_second_end_is_of_the_same_image() {
     assert_eq!((drive.ask(END), drive.ask(other)), ((Marked, Done), (Marked, NotNow)));
 }
 
-/// A mark that is being written cannot be called back; one that is written can.
+/// A mark that is being written cannot be aborted; one that is written can be removed.
 #[test]
 fn an_abort_comes_too_late_for_a_mark() {
     let mut drive = Drive::complete();
@@ -252,7 +255,7 @@ fn an_abort_comes_too_late_for_a_mark() {
     assert_eq!(drive.ask(UpdateRequest::Status), (Idle, Aborted));
 }
 
-/// A slot that says something else than it was asked for is not believed.
+/// A slot that gives another answer than the requested one, or a wrong checksum, is not marked.
 #[test]
 fn what_cannot_be_read_back_is_not_marked() {
     for (report, code) in
@@ -266,7 +269,7 @@ fn what_cannot_be_read_back_is_not_marked() {
     }
 }
 
-/// The minute of a trial ends while the confirmation is written: its outcome is waited for.
+/// If the minute of a trial ends while the confirmation is written, the node waits for its result.
 #[test]
 fn a_confirmation_under_way_is_not_cut_off() {
     const MINUTE: u64 = 600_000;
@@ -289,7 +292,8 @@ fn a_confirmation_under_way_is_not_cut_off() {
     }
 }
 
-/// What runs says what it is; one that was not programmed over the bus leaves that to the board.
+/// The identity of the device is that of the running image; if that was not programmed over the bus, the
+/// board's.
 #[test]
 fn the_running_image_is_the_devices_identity() {
     for (running, software, build) in

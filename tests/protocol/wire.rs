@@ -1,4 +1,4 @@
-//! Identifiers and frames: the printed ones, both ways, and what must be refused.
+//! Tests of identifiers and frames: the published ones in both directions, and those that must be refused.
 
 use embedded_can::Frame as _;
 use narx_core::bus::narmotion::{
@@ -9,7 +9,7 @@ use narx_core::bus::{Frame, Id};
 use narx_core::motor::guard::fault::FaultWord;
 use proptest::prelude::*;
 
-/// Figure 14: printed identifier, priority, source, destination, type, opcode.
+/// Identifiers of Figure 14: published number, priority, source, destination, type, opcode.
 const PRINTED: [(u32, u8, u8, u8, u8, u16); 32] = [
     (0x1552_A800, 2, 0xAA, 0x55, 0, 0),
     (0x0AAD_5400, 1, 0x55, 0xAA, 2, 0),
@@ -45,14 +45,14 @@ const PRINTED: [(u32, u8, u8, u8, u8, u16); 32] = [
     (0x1552_A8D0, 2, 0xAA, 0x55, 0, 208),
 ];
 
-/// One frame of every row that a master sends: message, identifier, bytes.
+/// A frame of every row that a master sends: message, identifier, bytes.
 const TO_DRIVE: [(ToDrive, u32, u64); 17] = [
     (ToDrive::RequestBuildInfo, 0x0AAD_5400, 0),
     (ToDrive::RequestDeviceInfo, 0x0AAD_5401, 0),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Drive }), 0x0AAD_5202, 0x0000_0001_0000_0000),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Fault }), 0x0AAD_5202, 0x0000_0003_0000_0000),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Reverse }), 0x0AAD_5202, 0x0000_0002_0000_0000),
-    // Figure 14 prints only the answer; the request is type 1 of the same opcode.
+    // Figure 14 has only the answer; the request is type 1 of the same opcode.
     (ToDrive::Reboot, 0x0AAD_5265, 0),
     (ToDrive::MotorCommand { speed: 4000 }, 0x0AAD_5266, 0x0FA0_0000_0000_0000),
     (
@@ -76,7 +76,7 @@ const TO_DRIVE: [(ToDrive, u32, u64); 17] = [
     (ToDrive::DownloadXml(XmlCommand::Start), 0x0AAD_5482, 0x0001_0000_0000_0000),
 ];
 
-/// One frame of every row that a drive sends.
+/// A frame of every row that a drive sends.
 fn from_drive() -> Vec<(FromDrive, u32, u64)> {
     use FromDrive as F;
     let faults = FaultWord::OVER_VOLTAGE | FaultWord::STORE_VERSION;
@@ -233,7 +233,7 @@ fn refused_frames() {
     assert_eq!(FromDrive::decode(&frame(0x1552_A803, 0x400 << 32)), Err(DecodeError::Value));
 }
 
-/// Word 3 of an answer, and modes of the status word.
+/// Word 3 of an answer has every status, and the status word every mode.
 #[test]
 fn every_status_and_every_mode() {
     for status in 0..8_u64 {
@@ -313,7 +313,7 @@ proptest! {
         }
     }
 
-    /// Whatever decodes encodes to a frame that means the same.
+    /// A message that is decoded is encoded to a frame with the same meaning.
     #[test]
     fn messages_survive(opcode in prop_oneof![0..6_u32, 100..145_u32, 159..170_u32, 199..210_u32], kind in 0..3_u32, data: [u8; 8]) {
         let (source, destination) = if kind == 0 { (0xAA, 0x55) } else { (0x55, 0xAA) };

@@ -1,4 +1,5 @@
-//! Programming on the wire: every message as bytes, both ways (PROTOCOL.md, sections 2 and 11).
+//! Tests of programming on the wire: every message as bytes, in both directions (PROTOCOL.md, sections 2 and
+//! 11).
 
 use crate::bench::frame;
 use narx_core::bus::narmotion::update::{
@@ -12,7 +13,7 @@ const REQUESTS: [(UpdateRequest, u32, u64); 8] = [
     (UpdateRequest::Begin { length: 0x9E40, hardware: 0x4E58_0002 }, 0x0AAD_52A2, 0x0000_9E40_4E58_0002),
     (UpdateRequest::Data { block: 0x0102, data: [3, 4, 5, 6, 7, 8] }, 0x0AAD_52A3, 0x0102_0304_0506_0708),
     (UpdateRequest::Status, 0x0AAD_54A4, 0),
-    // The check value of CRC-32, that of "123456789".
+    // The check value of CRC-32: that of "123456789".
     (UpdateRequest::End { crc: 0xCBF4_3926 }, 0x0AAD_52A5, 0xCBF4_3926_0000_0000),
     (UpdateRequest::Abort, 0x0AAD_52A6, 0),
     (UpdateRequest::Confirm, 0x0AAD_52A7, 0),
@@ -48,7 +49,7 @@ fn programming_both_ways() {
     }
 }
 
-/// Opcodes of the other type, or of none, and values without a meaning.
+/// Opcodes of the other type or of none, and values without a meaning, are no messages of programming.
 #[test]
 fn programming_that_is_none() {
     for id in [0x0AAD_52A0, 0x0AAD_52A1, 0x0AAD_54A2, 0x0AAD_54A3, 0x0AAD_52A4, 0x0AAD_54A7, 0x0AAD_52A8] {
@@ -62,7 +63,7 @@ fn programming_that_is_none() {
     }
 }
 
-/// The table of names and the enumerations have the same numbers: what a name says is what a decoder reads.
+/// The table of names and the enumerations have the same numbers: a name has the value that a decoder reads.
 #[test]
 fn states_and_codes_have_their_names() {
     let names = |of| NAMES.iter().find(|names| names.of == of).unwrap().values;

@@ -1,4 +1,4 @@
-//! A whole drive on the simulated bus, with a master that only sends what a test tells it to.
+//! A whole drive on the simulated bus, with a master that sends only the messages of a test.
 
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{
@@ -10,24 +10,24 @@ use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Input, MotorConfig, PlantConfig};
 use narx_sim::presets::preset;
 
-/// Ticks between two requests of a master that keeps the drive alive: 50 ms.
+/// Ticks between two requests of a master that keeps the drive's command alive: 50 ms.
 const ALIVE: u64 = 500;
 
 pub(crate) struct Wired {
     pub(crate) bench: Bench,
-    /// What is asked for all the time; nothing keeps silent.
+    /// Motor mode that is requested repeatedly; without it the master is silent.
     pub(crate) asks: Option<MotorMode>,
     /// Frames that have passed on the bus, with the end of each, ns.
     pub(crate) heard: Vec<(u64, Frame)>,
 }
 
 impl Wired {
-    /// With factory parameters and a resting 24 V motor, in Standby.
+    /// A drive with factory parameters and a resting 24 V motor, in Standby.
     pub(crate) fn resting() -> Self {
         Self::new(PlantConfig::new(MotorConfig::default(), 24.0), Parameters::new())
     }
 
-    /// With a motor that turns at 1500 rpm under its hall sensors.
+    /// A drive with a motor that turns at 1500 rpm under hall control.
     pub(crate) fn turning() -> Self {
         let preset = preset("ec45-flat-50w-18v").unwrap();
         let plate = Nameplate {
@@ -57,7 +57,7 @@ impl Wired {
         if let Some(mode) = self.asks
             && self.bench.plant().tick().is_multiple_of(ALIVE)
         {
-            // While the bus is gone the queue may be full, and an older request says the same.
+            // While the bus is lost the queue may be full; an older request in it is equal.
             let _ = self.bench.send(ToDrive::RequestWord(RequestWord { mode }).encode(Addresses::FACTORY));
         }
         self.bench.step();
@@ -75,7 +75,7 @@ impl Wired {
         self.bench.send(message.encode(Addresses::FACTORY)).unwrap();
     }
 
-    /// What has arrived since the last call.
+    /// Messages that have arrived since the last call.
     pub(crate) fn take_messages(&mut self) -> Vec<FromDrive> {
         let frames = std::mem::take(&mut self.heard);
         frames
@@ -110,7 +110,7 @@ impl Wired {
         panic!("no answer for parameter {wanted}");
     }
 
-    /// A broadcast signal, in its unit, two readings and a broadcast from now.
+    /// Value of a broadcast signal in its unit, two readings and a broadcast from now.
     pub(crate) fn signal(&mut self, name: &str) -> f64 {
         self.heard.clear();
         self.run(0.075);
@@ -127,7 +127,7 @@ impl Wired {
         self.bench.plant_mut().set_input(input, value).unwrap();
     }
 
-    /// What the drive says of itself, without the bus.
+    /// Value of a parameter in the drive, read without the bus.
     pub(crate) fn look(&self, number: u16) -> i32 {
         self.bench.node().read_parameter(number).unwrap()
     }

@@ -1,6 +1,7 @@
-"""How fast a log becomes columns: `narx.read_log` beside python-can's reader with cantools, on the same file in the same run.
+"""Measures the speed of `narx.read_log`, compared with python-can's reader and cantools on the same file.
 
-Prints the ratio and both rates in frames a second, then the same in words. The log is what a virtual drive sends and is asked, over and over.
+Prints the ratio and both rates in frames a second, then the same in words. The log repeats the traffic of a
+virtual drive and its master.
 """
 
 import sys
@@ -19,13 +20,19 @@ from narx import _core
 
 FRAMES = 1_000_000
 ROUNDS = 3
-"""Runs of each, in turns: a machine with other work only ever makes a run slower, so the fastest counts."""
+"""Runs of each reader, in turns.
+
+Other work on the machine can only slow a run down, so the fastest run counts.
+"""
 
 Columns = dict[str, dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]]]
 
 
 def frames() -> list[tuple[float, int, bytes]]:
-    """Two seconds of a drive's bus: broadcasts, and a master that sends a set-point every 50 ms."""
+    """Returns two seconds of a drive's bus.
+
+    The drive sends its broadcasts, and a master sends a set-point every 50 ms.
+    """
     bus = _core.VirtualBus(narx.Motor.preset("ec45-flat-50w-18v"), 18.0, mode="hall")
     database = cantools.database.load_string(narx.dbc())
     assert isinstance(database, Database)
@@ -39,7 +46,7 @@ def frames() -> list[tuple[float, int, bytes]]:
 
 
 def write(path: Path, pattern: list[tuple[float, int, bytes]]) -> None:
-    """The pattern until there are enough frames."""
+    """Writes the pattern again and again until the log has `FRAMES` frames."""
     duration = pattern[-1][0] + 1e-3
     with path.open("w") as file:
         for row in range(FRAMES):
@@ -49,14 +56,14 @@ def write(path: Path, pattern: list[tuple[float, int, bytes]]) -> None:
 
 
 def ours(path: Path) -> Columns:
-    """A column for each signal of each message."""
+    """Reads the log with narx: a column for each signal of each message."""
     log = narx.read_log(path)
     assert len(log) == FRAMES and not log.errors
     return {name: dict(log[name].items()) for name in log}
 
 
 def theirs(path: Path) -> Columns:
-    """The same by python-can and cantools."""
+    """Reads the log with python-can and cantools, into the same columns."""
     database = cantools.database.load_string(narx.dbc())
     assert isinstance(database, Database)
     names = {message.frame_id: message.name for message in database.messages}
@@ -71,14 +78,14 @@ def theirs(path: Path) -> Columns:
 
 
 def timed(read: Callable[[Path], Columns], path: Path) -> tuple[float, Columns]:
-    """Seconds that it took, and what came of it."""
+    """Calls `read`, and returns the seconds that it took and its result."""
     begun = time.perf_counter()
     columns = read(path)
     return time.perf_counter() - begun, columns
 
 
 def assert_same(ours: Columns, theirs: Columns) -> None:
-    """Both have read the same."""
+    """Asserts that both readers have found the same values."""
     folded = {message: {fold(name): column for name, column in table.items()} for message, table in ours.items()}
     assert ours.keys() == theirs.keys()
     for message, table in theirs.items():
@@ -87,12 +94,12 @@ def assert_same(ours: Columns, theirs: Columns) -> None:
 
 
 def fold(name: str) -> str:
-    """Letters and digits: the data base has `_` between them."""
+    """Returns letters and digits only: the names in the data base have `_` between them."""
     return "".join(filter(str.isalnum, name)).casefold()
 
 
 def main() -> None:
-    """Measures and prints."""
+    """Measures both readers and prints the results."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "million.log"
         write(path, frames())

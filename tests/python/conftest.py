@@ -1,4 +1,4 @@
-"""What the tests of the Python package share."""
+"""Fixtures that the tests of the Python package share."""
 
 from pathlib import Path
 
@@ -11,14 +11,14 @@ VECTORS = sorted((Path(__file__).parents[1] / "vectors").glob("*.narxrec"))
 
 @pytest.fixture(params=VECTORS, ids=lambda path: path.stem)
 def vector(request: pytest.FixtureRequest) -> Path:
-    """A conformance vector, each in turn."""
+    """Each conformance vector in turn."""
     path: Path = request.param
     return path
 
 
 @pytest.fixture
 def motor() -> narx.Motor:
-    """A motor that runs at every supply."""
+    """A motor that runs at every supply voltage."""
     return narx.Motor.preset("ec45-flat-50w-18v")
 
 

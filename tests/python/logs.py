@@ -1,4 +1,4 @@
-"""Logs for tests: random frames of every message, in the formats that python-can writes."""
+"""Logs for tests: random frames of all messages, in the formats that python-can writes."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,10 @@ PARAMETERS = list(narx.Parameters.rows.values())
 
 @st.composite
 def drive_frames(draw: st.DrawFn) -> can.Message:
-    """A frame of some message of the drive, with any bits in it, but a parameter that exists and a value that it can have."""
+    """Draws a frame of one of the drive's messages with random bits.
+
+    The number of a parameter is one that exists, and its value is within its range.
+    """
     described = draw(st.sampled_from(MESSAGES))
     data = bytearray(draw(st.binary(min_size=8, max_size=8)))
     if described.is_multiplexed():
@@ -32,7 +35,7 @@ def drive_frames(draw: st.DrawFn) -> can.Message:
 
 @st.composite
 def any_frames(draw: st.DrawFn) -> can.Message:
-    """Any classic data or remote frame, or a CAN FD one, or an error frame."""
+    """Draws a classic data or remote frame, a CAN FD frame or an error frame."""
     kind = draw(st.sampled_from(["data", "data", "data", "remote", "fd", "error"]))
     if kind == "error":
         return can.Message(is_error_frame=True)
@@ -52,7 +55,7 @@ def any_frames(draw: st.DrawFn) -> can.Message:
 
 
 def stamped(frames: list[can.Message], start: float = 1436509052.25) -> list[can.Message]:
-    """The same frames, a millisecond from one to the next."""
+    """Stamps the frames with times, one millisecond apart."""
     for row, frame in enumerate(frames):
         frame.timestamp = round(start + row / 1000, 6)
         frame.channel = 0
@@ -60,7 +63,7 @@ def stamped(frames: list[can.Message], start: float = 1436509052.25) -> list[can
 
 
 def write(path: Path, frames: list[can.Message]) -> Path:
-    """Writes them as python-can does, in the format of the path's ending."""
+    """Writes the frames with python-can, in the format of the path's ending."""
     with can.Logger(path) as logger:
         for frame in frames:
             logger.on_message_received(frame)

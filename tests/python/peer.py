@@ -1,4 +1,4 @@
-"""A drive that is nothing but its protocol: it speaks on a virtual bus of python-can, and serves whatever description it is given."""
+"""A drive reduced to its protocol: it runs on a virtual bus of python-can, and serves any description."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SET, ASK = 1, 2
 
 
 class Peer:
-    """Parameters have the factory values of the description, raw."""
+    """The simulated drive; its parameters begin with the raw factory values of the description."""
 
     def __init__(self, bus: can.BusABC, description: str | None, build: int = 7, speed_max: int = 65_535) -> None:
         self.bus = bus
@@ -102,7 +102,7 @@ class Peer:
 
 @contextmanager
 def peer(channel: str, description: str | None, **options: Any) -> Iterator[tuple[Peer, can.BusABC]]:
-    """A drive that runs in a thread of its own, and a bus for its master."""
+    """Runs a drive in a thread of its own, and yields it with a bus for its master."""
     with (
         can.Bus(interface="virtual", channel=channel) as own,
         can.Bus(interface="virtual", channel=channel) as bus,

@@ -1,6 +1,6 @@
 """Replays recordings: `[--ticks N] FILE...` prints `STEM TICKS DIGEST RECORDED` for each file, in order.
 
-With `--ticks N` only the first N ticks run; RECORDED is then `-`, and what the last tick answered follows.
+With `--ticks N` only the first N ticks run; RECORDED is then `-`, followed by the outputs of the last tick.
 """
 
 import argparse
@@ -11,7 +11,7 @@ import narx
 
 
 def line(path: Path, ticks: int | None) -> str:
-    """What the replay of one file came to."""
+    """Returns the line with the result of one file's replay."""
     replay = narx.replay(path, until=ticks)
     recorded = "-" if replay.recorded_digest is None else f"{replay.recorded_digest:016x}"
     outputs = "" if ticks is None or replay.outputs is None else f" {replay.outputs}"
@@ -19,7 +19,7 @@ def line(path: Path, ticks: int | None) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """The exit code: 1 when a file could not be replayed; all others were."""
+    """Replays all files, and returns the exit code: 1 if any of them could not be replayed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ticks", type=int, metavar="N", help="replay the first N ticks only")
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE")

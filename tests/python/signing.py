@@ -1,4 +1,7 @@
-"""Images as PROTOCOL.md and RFC 8032 describe them: an Ed25519ph of its own, so that a signature is not compared with itself."""
+"""Images made as PROTOCOL.md and RFC 8032 describe them.
+
+This is an independent implementation of Ed25519ph, so that no signature is compared with itself.
+"""
 
 import hashlib
 import struct
@@ -13,7 +16,7 @@ Point = tuple[int, int]
 
 
 def add(a: Point, b: Point) -> Point:
-    """Sum of two points (section 5.1.4, affine)."""
+    """Adds two points (section 5.1.4, affine coordinates)."""
     product = D * a[0] * b[0] * a[1] * b[1] % P
     x = (a[0] * b[1] + b[0] * a[1]) * pow(1 + product, -1, P)
     y = (a[1] * b[1] + a[0] * b[0]) * pow(1 - product, -1, P)
@@ -21,7 +24,7 @@ def add(a: Point, b: Point) -> Point:
 
 
 def base() -> Point:
-    """The base point: y = 4/5, and the even x (section 5.1)."""
+    """Returns the base point: y = 4/5, and the even x (section 5.1)."""
     y = 4 * pow(5, -1, P) % P
     square = (y * y - 1) * pow(D * y * y + 1, -1, P) % P
     x = pow(square, (P + 3) // 8, P)
@@ -31,7 +34,7 @@ def base() -> Point:
 
 
 def times(scalar: int) -> bytes:
-    """A multiple of the base point, encoded (section 5.1.2)."""
+    """Returns an encoded multiple of the base point (section 5.1.2)."""
     total, power = (0, 1), base()
     while scalar:
         if scalar & 1:
@@ -41,7 +44,7 @@ def times(scalar: int) -> bytes:
 
 
 def sign(secret: bytes, message: bytes) -> bytes:
-    """Ed25519ph without a context (section 5.1.6)."""
+    """Signs a message with Ed25519ph, without a context (section 5.1.6)."""
     domain = b"SigEd25519 no Ed25519 collisions\1\0"
     digest = hashlib.sha512(message).digest()
     expanded = bytearray(hashlib.sha512(secret).digest())
@@ -56,7 +59,7 @@ def sign(secret: bytes, message: bytes) -> bytes:
 
 
 def image(version: tuple[int, int, int, int], body: bytes, hardware: int = BENCH, secret: bytes = SECRET) -> bytes:
-    """An image with this program."""
+    """Returns a signed image with this program."""
     major, minor, patch, build = version
     head = struct.pack(">8sHHIBBHHHI", b"NARXIMG", 1, 0, hardware, major, minor, patch, build, 0, len(body))
     head = head.ljust(448, b"\0")

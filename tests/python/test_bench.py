@@ -1,4 +1,4 @@
-"""The bench: motors reach their speed, the same call gives the same bits."""
+"""The bench: motors reach their speed, and the same call gives the same bits."""
 
 import _thread
 import math
@@ -52,10 +52,10 @@ def test_a_replay_has_the_rows_of_the_bench(bench: narx.Bench, motor: narx.Motor
     assert {"time", "state", "duty", "hall", "step", "limiter", "crossing", "faults"} <= set(shared)
     for name in shared:
         same = np.allclose(replay[name], trace[name], rtol=1e-12, atol=0.0)
-        # The bench reads the faults of the last report, a replay those of the tick.
+        # The bench shows the faults of the last report; a replay shows those of the tick.
         assert same or name == "faults", name
         assert replay.signals[name] == trace.signals[name]
-    # What it knows besides is measured, and reported once a millisecond.
+    # Other signals of the bench are true values. The replay has measured values, reported once a millisecond.
     motor_turns = slice(12_000, None)
     assert np.abs(replay["bus_voltage_measured"] - trace["bus_voltage"])[motor_turns].max() < 0.3
     assert np.abs(replay["voltage_a_measured"] - trace["voltage_a"])[motor_turns].mean() < 3.0
@@ -132,14 +132,15 @@ def test_commissioned_parameters_are_those_of_the_bench(motor: narx.Motor) -> No
 
 
 def test_speed_and_load_of_a_motor_without_a_rated_current() -> None:
-    # A maxon EC 90 flat with the winding for 48 V.
+    # Data of a maxon EC 90 flat with the winding for 48 V.
     motor = narx.Motor(12, 2.3, 2.5e-3, 0.217, 3.06e-4, static_friction=0.01, viscous_friction=2e-5)
     no_load = 24.0 / 0.217 * 60.0 / (2.0 * math.pi)
     able = motor.operating_range(24.0, mode="hall")
     assert 0.8 * no_load < able.speed_max < no_load and able.speed_limit == "voltage"
     assert able.speed[0] == able.speed_min and able.speed[-1] == pytest.approx(able.speed_max)
     assert len(able.speed) == len(able.torque) == len(able.torque_limit)
-    # 6 W of heat in the winding, and less torque the faster it turns.
+    # 6 W of heat in the winding set the rated current of a motor that names none. The torque falls with the
+    # speed.
     assert able.rated_current == pytest.approx(math.sqrt(6.0 / 2.3)) and able.torque_limit[0] == "rated current"
     assert able.torque[0] == pytest.approx(0.217 * able.rated_current - 0.01, rel=0.01)
     assert able.torque == sorted(able.torque, reverse=True) and able.torque_limit[-1] == "voltage"
@@ -148,7 +149,8 @@ def test_speed_and_load_of_a_motor_without_a_rated_current() -> None:
     bench.run(2.0)
     assert bench.run(0.5)["speed"].mean() == pytest.approx(0.8 * no_load, rel=0.01)
 
-    # A rated current that has to flow at every speed costs speed, unless one is asked for.
+    # A given rated current must be reached at every speed, which lowers the speed limit, unless a maximum
+    # speed is given.
     rated = motor.replace(rated_current=4.0)
     assert rated.operating_range(24.0, mode="hall").speed_max < 0.6 * no_load
     asked = rated.replace(max_speed=800.0).operating_range(24.0, mode="hall")
@@ -172,7 +174,7 @@ def test_what_is_not_kept_changes_no_bit(motor: narx.Motor) -> None:
     whole, nothing = recorded.run(0.3), bare.run(0.3, trace=False)
     assert (len(whole), len(nothing)) == (3000, 0) and nothing.signals == whole.signals
     assert bare.digest == 0 and nothing.recording() == b"" and recorded.digest == narx.replay(whole.recording()).digest
-    # Without rows the drive is the same: the next run shows.
+    # The drive itself is the same without recorded rows: the next run proves it.
     assert recorded.run(0.1, trace=False).recording() != whole.recording()
     bare.run(0.1)
     first, second = recorded.run(0.1), bare.run(0.1)
@@ -180,7 +182,7 @@ def test_what_is_not_kept_changes_no_bit(motor: narx.Motor) -> None:
 
 
 def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:
-    """A thread that only counts must get on while this one is in `run` and `replay`."""
+    """A thread that only counts makes progress while this one is in `run` and `replay`."""
     bench.drive.start(2000)
     counts = 0
     over = threading.Event()
@@ -208,7 +210,7 @@ def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:
 
 
 def test_ctrl_c_ends_a_long_run(bench: narx.Bench) -> None:
-    # A process that was started in the background ignores the signal, and then nothing could interrupt it.
+    # A process in the background inherits an ignored SIGINT; then nothing could interrupt the run.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.2, _thread.interrupt_main).start()
     try:
@@ -216,7 +218,7 @@ def test_ctrl_c_ends_a_long_run(bench: narx.Bench) -> None:
             bench.run(600.0)
     finally:
         signal.signal(signal.SIGINT, before)
-    # The bench goes on where it stopped.
+    # The bench continues at the time at which it was interrupted.
     stopped = bench.time
     assert stopped < 600.0
     assert len(bench.run(0.1)) == 1000 and bench.time == pytest.approx(stopped + 0.1)

@@ -24,7 +24,7 @@ def test_pi_is_its_equation_and_run_is_steps() -> None:
     stepped = make()
     assert output.tolist() == [stepped.step(value) for value in error]
     assert pi.proportional == 0.5 and pi.integral == pytest.approx(20.0, rel=1e-8)
-    # It goes on where it was, and an output is never beyond its limits.
+    # The controller continues from its state, and its output never exceeds its limits.
     assert pi.run([0.0])[0] == pytest.approx(output[-1] + 0.15, abs=4 * LSB)
     assert np.abs(pi.run(np.full(2000, 5.0))).max() == 10.0
     pi.hold(3.0)
@@ -48,7 +48,7 @@ def test_commutation_is_the_table() -> None:
     assert [Commutation.for_sector(sector) for sector in range(6)] == forward
     assert Commutation.for_sector(0, reverse=True) is Step.BA
     assert Commutation.legs(Step.AB) == ("switched", "low", "floating")
-    # A turn at 20 rev/s from 30.3 degrees on: 500 ticks, 83.3 a sector.
+    # One electrical revolution at 20 rev/s, from 30.3 degrees on: 500 ticks, 83.3 in a sector.
     angle = 30.3 + np.arange(500) * 360.0 * 20.0 / 10_000
     steps = Commutation().run(angle, np.full(500, 20.0))
     ends = (angle + 0.72 - 30.0) // 60.0 % 6
@@ -58,7 +58,7 @@ def test_commutation_is_the_table() -> None:
 
 
 def hall_code(turns: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Of sensors that are high for half a turn from 330 degrees on."""
+    """Returns the code of sensors that are high for half a revolution from 330 degrees on."""
     lines = [((turns + 30 / 360 - phase / 3) % 1.0 < 0.5).astype(np.uint8) << phase for phase in range(3)]
     return (lines[0] | lines[1] | lines[2]).astype(np.uint8)
 
@@ -67,7 +67,7 @@ def hall_code(turns: NDArray[np.float64]) -> NDArray[np.uint8]:
 def test_hall_follows_a_rotor(captured: bool, degrees: float) -> None:
     rate, speed = 10_000, -130.0
     turns = 0.3 + np.arange(2000) / rate * speed
-    # Edges lie at 30 + 60 k degrees.
+    # The edges lie at 30 + 60 k degrees.
     k = np.arange(int(turns[0] * 6 - 0.5), np.floor(turns[-1] * 6 - 0.5), -1)
     times = ((k + 0.5) / 6 - turns[0]) / speed
     edges = {"edge_time": times, "edge_code": hall_code((k + 0.5) / 6 - 1e-9)} if captured else {}
@@ -108,7 +108,7 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
             assert reading.speed == pytest.approx(speed, rel=0.02)
             assert abs((reading.angle - turns * 360.0 + 180.0) % 360.0 - 180.0) < 4.0
             assert reading.commutation is not None and 0.0 <= reading.commutation < 1.2 / (6 * speed)
-    # The same terminals as arrays, changes rounded to whole periods.
+    # The same terminal voltages as arrays; the changes of the step are rounded to whole periods.
     again = ZeroCrossing(timeout=0.03)
     again.start(120.0)
     found = again.run(volts, np.full(1500, bus), force)

@@ -19,7 +19,7 @@ STANDBY = can.Message(arbitration_id=0x0055AA82, is_extended_id=True, data=bytes
 
 @pytest.fixture
 def bus(request: pytest.FixtureRequest) -> Iterator[can.BusABC]:
-    """A virtual drive whose time passes while somebody receives."""
+    """A virtual drive whose time advances while a client receives."""
     with can.Bus(interface="narx", channel=request.node.name, realtime=False, **OPTIONS) as bus:
         yield bus
 
@@ -46,7 +46,7 @@ def test_filters_hold_without_the_clock(bus: can.BusABC) -> None:
 
 
 def test_a_calibration_is_waited_for_on_a_bus_too(bus: can.BusABC) -> None:
-    # Between a status word and the answer about the exact state a master on a bus does not know the state.
+    # On a bus the master does not know the state between a status word and the answer about the exact state.
     drive = narx.Drive(bus, read_parameters=False)
     drive.calibrate_hall(run=True)
     assert drive.parameters["Hall calibration state"] == 2 and drive.state is narx.State.STANDBY
@@ -61,7 +61,7 @@ def test_clients_of_a_channel_share_one_drive(bus: can.BusABC) -> None:
         while heard is not None and heard.arbitration_id != STANDBY.arbitration_id:
             heard = other.recv(1.0)
         assert heard is not None and bytes(heard.data) == bytes(8)
-        # Nobody hears himself.
+        # A client does not receive its own frames.
         own = [bus.recv(0.0) for _ in range(200)]
         assert all(message is None or message.arbitration_id != STANDBY.arbitration_id for message in own)
 
@@ -104,7 +104,7 @@ def test_connect_operates_and_lets_go() -> None:
             assert {"MOTOR_CMD", "REQUEST_WORD", "STATUS_WORD", "MEASUREMENT_0"} <= seen
             drive.close()
             modes = [message["Motor mode"] for message in decoded(listener, 0.3) if message.name == "STATUS_WORD"]
-    # Whoever leaves has stopped the motor.
+    # Closing the drive has stopped the motor.
     assert modes[-1] == "Standby"
     assert "narx master" not in {thread.name for thread in threading.enumerate()}
     with pytest.raises(narx.BusError, match="closed"):
@@ -134,7 +134,10 @@ def test_a_silent_master_sends_nothing() -> None:
 
 
 def test_a_drive_on_the_same_machine_is_heard() -> None:
-    """Drivers mark frames that a program of the same machine has sent, as on a `vcan`, like own ones."""
+    """Frames of another program on the same machine are accepted.
+
+    Drivers mark such frames like own ones, for example on a `vcan`.
+    """
 
     class Local(VirtualBus):
         def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
@@ -186,7 +189,7 @@ def test_an_adapter_that_cannot_be_read_any_more_is_told() -> None:
 
 
 def decoded(bus: can.BusABC, seconds: float) -> list[narx.Message]:
-    """What passes for so long."""
+    """Returns the messages that pass within `seconds`."""
     end = time.monotonic() + seconds
     messages = []
     while (left := end - time.monotonic()) > 0:

@@ -22,7 +22,7 @@ SWEEP = ["--motor", "ec45-flat-50w-18v", "--mode", "hall", "--supply", "18", "--
 
 
 def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[str]:
-    """The command as a shell runs it."""
+    """Runs the command as a shell does."""
     command = [sys.executable, "-c", "import narx.cli; narx.cli.main()", *(VIRTUAL if virtual else []), *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
 
@@ -156,7 +156,7 @@ def test_an_error_is_one_line_and_exit_code_2(arguments: list[str], message: str
 
 
 class Served:
-    """`narx bench` as a process, and where its doors are."""
+    """`narx bench` as a process, and the addresses at which it can be reached."""
 
     def __init__(self, *arguments: str) -> None:
         command = [
@@ -199,7 +199,7 @@ def test_bench_serves_unmodified_tools(tmp_path: Path) -> None:
         ):
             drive.start(2000)
             assert drive.state is narx.State.HALL_CLOSED_LOOP
-            # Whoever is at the terminal overhears.
+            # The client on the pseudo-terminal receives the same traffic.
             frames = (other.recv(1.0) for _ in range(5000))
             messages = (narx.decode(frame) for frame in frames if frame is not None)
             assert any(message is not None and message.name == "STATUS_WORD" for message in messages)
@@ -256,9 +256,9 @@ def test_ctrl_c_ends_a_sweep_with_what_it_has(tmp_path: Path) -> None:
         "--to",
         str(table),
     ]
-    # The first ones are short; then it would take hours.
+    # The first variants are short; the others would take hours.
     command += ["--set", "seconds=0.01,0.01,36000,36000,36000"]
-    # What a shell has put into the background is deaf to Ctrl-C, and so are its children.
+    # A shell starts a background process with SIGINT ignored, and its children inherit that.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -276,7 +276,7 @@ def test_ctrl_c_ends_a_sweep_with_what_it_has(tmp_path: Path) -> None:
 
 
 def wait_for_work(process: "subprocess.Popen[str]") -> None:
-    """Waits until a process has worked on its threads for a while."""
+    """Waits until the threads of a process have worked for a while."""
     stat = Path(f"/proc/{process.pid}/stat")
     threads = Path(f"/proc/{process.pid}/task")
     while len(list(threads.iterdir())) < 3:

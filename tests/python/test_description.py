@@ -1,4 +1,4 @@
-"""A drive that is not this package's own is shown as it describes itself."""
+"""A drive with another description than this package's is shown by its own description."""
 
 import re
 import warnings
@@ -15,14 +15,14 @@ from narx import description
 
 
 def changed(text: str, pattern: str, replacement: str) -> str:
-    """The text with one place changed."""
+    """Returns the text with one place changed."""
     fresh, count = re.subn(pattern, replacement, text)
     assert count == 1, (pattern, count)
     return fresh
 
 
 def other() -> str:
-    """A description with other scales, one parameter more and one signal less."""
+    """Returns a description with other scales, one more parameter and one signal less."""
     text = narx.xml()
     text = changed(text, r'(name="Phase current limit" unit="A" type=")[a-z0-9]+(" scale=")0.001"', r'\1uint32\g<2>0.01"')
     text = changed(
@@ -39,7 +39,7 @@ def other() -> str:
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where descriptions are kept, and none that was read before."""
+    """An empty folder for descriptions, with none of the earlier ones kept in memory."""
     monkeypatch.setattr(description, "folder", lambda: tmp_path)
     monkeypatch.setattr(description, "_known", dict(description._known))
     return tmp_path
@@ -112,7 +112,7 @@ def test_what_was_read_is_kept_by_build_number_and_crc(folder: Path) -> None:
     assert downloads("again") == 0
     assert downloads("another build", build=8) == 1
     assert downloads("other text", text.replace("Of the cup", "Of the pot")) == 1
-    # Another program on this computer.
+    # An empty memory stands for another program on this computer.
     description._known.clear()
     assert downloads("later") == 0
     description._known.clear()

@@ -1,4 +1,4 @@
-"""Docstrings of everything public: there is one, quantities have units, and errors that are raised are named."""
+"""Docstrings of everything public: each exists, gives units of quantities and names raised errors."""
 
 import ast
 import inspect
@@ -19,7 +19,7 @@ UNIT = re.compile(
 
 
 def public() -> Iterator[tuple[str, Any]]:
-    """Everything that `__all__` names, and the public members of the classes among it, by their full names."""
+    """Yields everything that `__all__` names and the public members of its classes, with full names."""
     for module in (narx, narx.blocks):
         for name in module.__all__:
             thing = getattr(module, name)
@@ -33,7 +33,10 @@ NAMES = dict(public())
 
 
 def signatures() -> dict[str, ast.FunctionDef]:
-    """Annotated functions of the package by full name without their module: those of the compiled part are in its stub."""
+    """Returns the annotated functions of the package by full name without the module.
+
+    Those of the compiled part are in its stub.
+    """
     found: dict[str, ast.FunctionDef] = {}
     for file in [*sorted(PACKAGE.glob("*.py")), PACKAGE / "_core.pyi"]:
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
@@ -49,13 +52,13 @@ SIGNATURES = signatures()
 
 
 def documentation(name: str, thing: Any) -> str:
-    """A docstring; a constructor's is its class's."""
+    """Returns the docstring of a thing."""
     target = thing.fget if isinstance(thing, property) else getattr(thing, "__func__", thing)
     return inspect.getdoc(target) or ""
 
 
 def signature(name: str, thing: Any) -> ast.FunctionDef | None:
-    """What is called: of a class its constructor."""
+    """Returns the signature of a function, or of a class's constructor."""
     local = name.removeprefix("narx.").removeprefix("blocks.")
     if inspect.isclass(thing):
         return SIGNATURES.get(f"{local}.__init__") or SIGNATURES.get(f"{local}.__new__")
@@ -63,7 +66,10 @@ def signature(name: str, thing: Any) -> ast.FunctionDef | None:
 
 
 def is_value(thing: Any) -> bool:
-    """A module, a member of an enumeration, the default of a field: what has no docstring of its own at run time."""
+    """Returns whether a thing is a value, which has no docstring of its own at run time.
+
+    Values are modules, members of enumerations and defaults of fields.
+    """
     return not callable(getattr(thing, "__func__", thing)) and not isinstance(thing, property) and not inspect.isdatadescriptor(thing)
 
 
@@ -85,7 +91,7 @@ def takes_floats(function: ast.FunctionDef) -> bool:
 )
 def test_a_quantity_has_a_unit(name: str) -> None:
     text = documentation(name, NAMES[name])
-    # A member may leave it to its class.
+    # The docstring of the class may give the unit for a member.
     owner = documentation(name, NAMES.get(name.rpartition(".")[0]))
     assert UNIT.search(text) or UNIT.search(owner), f"{name} takes or gives numbers, and says nothing of their unit: {text}"
 

@@ -1,4 +1,4 @@
-"""One drive, on a bench, on a bus whose time is simulated, and on one that keeps step with the clock: the same calls."""
+"""`narx.Drive` behaves alike on a bench, on a bus in simulated time, and on a bus in real time."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ BUS: dict[str, Any] = {"interface": "narx", "motor": "ec45-flat-50w-18v", "suppl
 
 @pytest.fixture(params=["bench", "stepped", "realtime"])
 def drive(request: pytest.FixtureRequest, motor: narx.Motor) -> Iterator[narx.Drive]:
-    """A drive with hall sensors that was just switched on."""
+    """A drive with hall sensors just after power-up."""
     if request.param == "bench":
         yield narx.Bench(motor, supply_voltage=18.0, mode="hall").drive
         return
@@ -132,7 +132,7 @@ def test_scope_captures_what_is_asked_for(drive: narx.Drive) -> None:
     assert list(seen) == ["time", "Duty", "Hall code"] and len(seen) == 400
     assert seen.time[100] == 0.0 and np.diff(seen.time) == pytest.approx(1e-4)
     assert set(seen["Hall code"]) == {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}
-    # 3000 rpm of 8 pole pairs: 400 electrical revolutions a second, of six hall codes each.
+    # 3000 rpm at 8 pole pairs: 400 electrical revolutions a second with six hall codes each.
     changes = np.count_nonzero(np.diff(seen["Hall code"])) / (len(seen) * 1e-4)
     assert changes == pytest.approx(2400, rel=0.02)
     drive.scope.arm(["Drive state"], samples=50, before=10, trigger=narx.Trigger.state_change())
@@ -156,7 +156,7 @@ def test_scope_records_what_runs_again(bench: narx.Bench, tmp_path: Path) -> Non
     record.save(tmp_path / "fault.narxrec")
     again = narx.replay(tmp_path / "fault.narxrec")
     assert again.identical and again.ticks >= 300 and record.agrees is not False
-    # The same ticks as the bench recorded.
+    # The bench has recorded the same ticks.
     whole = narx.replay(bench.run(0.0).recording())
     assert whole.identical
     rows = slice(record.first_tick, record.first_tick + again.ticks)
@@ -181,7 +181,8 @@ def test_scope_refuses(drive: narx.Drive) -> None:
         drive.scope.arm([])
     with pytest.raises(narx.RefusedError, match="the scope is idle: it has no record"):
         drive.scope.download()
-    # Nothing is cut or stretched in silence: nine signals have 455 samples in 4096 words, at 0.3 ms.
+    # A request that does not fit is refused, never shortened: nine signals have room for 455 samples in 4096
+    # words, at 0.3 ms.
     nine = list(drive.scope.signals)[:9]
     with pytest.raises(narx.ParameterError, match=r"^samples 2000: must be 1 to 455 for 9 signals, .* 4096 words .*; prescaler 3 or more"):
         drive.scope.capture(nine, samples=2000)
@@ -191,7 +192,7 @@ def test_scope_refuses(drive: narx.Drive) -> None:
         drive.scope.capture(["Duty"], samples=10, before=10)
     seen = drive.scope.capture(nine, samples=455, prescaler=3)
     assert len(seen) == 455 and np.diff(seen.time) == pytest.approx(3e-4)
-    # A drive that is set up by its parameters alone says why.
+    # Set up through its parameters alone, the drive refuses such a request itself, and gives the reason.
     drive.parameters[23] = 4096
     with pytest.raises(narx.RefusedError, match="refused the request: signals times samples exceed the memory"):
         drive.scope._press()
@@ -213,7 +214,7 @@ def test_log_is_written_downloaded_and_erased(drive: narx.Drive) -> None:
     log.configure({"HV Voltage": "mean", "Mechanical estimated speed HES": "max", "Drive state": "live"}, period=0.01)
     assert log.slots == {"HV Voltage": "mean", "Mechanical estimated speed HES": "max", "Drive state": "live"}
     drive.start(2500)
-    # By the wall clock a second may be much less of the drive's.
+    # A second of wall time may be much less than a second of the drive's time.
     assert drive.wait_for(lambda: (drive.measurements.speed or 0.0) > 2450)
     drive.wait(1.0)
     drive.stop()
@@ -279,7 +280,10 @@ def test_lines_and_services(drive: narx.Drive) -> None:
 
 
 class SlowBus:
-    """A simulated bus on which eight seconds of the master's are one of the drive's, as of an emulator on a busy host."""
+    """A simulated bus with a slow drive: one second of the drive takes eight seconds of the master.
+
+    This is the behaviour of an emulator on a busy host.
+    """
 
     realtime = False
 

@@ -16,7 +16,7 @@ import narx
 
 DOCS = Path(__file__).parents[2] / "docs"
 MM = 2**27
-# EDS, bytes of a PDO, a millimetre in a position.
+# By EDS: bytes of a PDO, and raw value of 1 mm in a position.
 LAYOUTS = {"single": (4, MM), "single-encoder": (6, MM), "dual": (8, MM), "dual-encoder": (8, MM >> 8)}
 STATES = {0: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operational"}
 
@@ -41,7 +41,7 @@ nodes: dict[str, Any] = {}
 
 
 def objects(layout: str) -> Any:
-    """A node of python-canopen, which knows its PDOs."""
+    """Returns a node of python-canopen that knows its PDOs."""
     if layout not in nodes:
         nodes[layout] = canopen.Network().add_node(1, str(DOCS / f"eddycan-{layout}.eds"))
         nodes[layout].tpdo.read(from_od=True)
@@ -49,7 +49,7 @@ def objects(layout: str) -> Any:
 
 
 class Wire(canopen.Network):
-    """What python-canopen sends."""
+    """Stores the frames that python-canopen sends."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -70,7 +70,7 @@ def test_commands_are_those_that_python_canopen_sends(code: int) -> None:
     if code in known:
         assert isinstance(command, narx.NodeMessage) and command.values == {"Node": 5, "Command": known[code]}
     else:
-        # The specification's Table 11 has no reset of the communication alone.
+        # Table 11 of the specification has no command that resets the communication alone.
         assert command is None
     assert isinstance(sync, narx.NodeMessage) and (sync.name, sync.node, sync.from_node) == ("SYNC", None, False)
 

@@ -1,4 +1,4 @@
-"""Every refusal names what, its value and what is allowed."""
+"""Every refusal names the argument, its value and the allowed values."""
 
 import warnings
 from collections.abc import Callable
@@ -93,7 +93,7 @@ def test_a_speed_without_a_start_is_refused() -> None:
 
 
 def test_a_fault_is_told() -> None:
-    # Every hall line inverted: the torque points the other way.
+    # With all hall lines inverted the torque has the wrong direction.
     bad = bench(parameters={"Hall polarity mask": 7})
     bad.drive.start(1500)
     bad.run(1.0)

@@ -1,4 +1,4 @@
-"""What breaks on the bench, and what the drive says of it."""
+"""Injected failures of the bench, and the reactions of the drive."""
 
 import inspect
 from typing import Any
@@ -98,7 +98,7 @@ def test_halls_are_calibrated_where_they_stand(motor: narx.Motor) -> None:
     drive.wait(0.1)
     with pytest.raises(narx.RefusedError, match="not in this state of the drive"):
         drive.calibrate_hall(run=True)
-    # What was found before stands, and the next start is an ordinary one.
+    # The earlier result stays valid, and the next start works as usual.
     bench.clear("hall-supply-lost")
     bench.clear("break")
     drive.wait(1.0)

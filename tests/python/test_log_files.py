@@ -1,4 +1,4 @@
-"""Files that are broken, cut or odd: what can be read is kept, and what cannot is told with its line."""
+"""Broken, cut and odd files: readable lines are kept, and unreadable ones are reported with their number."""
 
 import gzip
 from pathlib import Path
@@ -13,7 +13,8 @@ SPEED = DATABASE.get_message_by_name("MEASUREMENT_5").frame_id
 FRAMES = stamped([can.Message(arbitration_id=SPEED, data=speed.to_bytes(2, "big") + bytes(6)) for speed in range(100)])
 SIGNAL = "Mechanical estimated speed HES"
 
-# What a writer of python-can has written: the line that is broken (the first is 0, negative from the end), what becomes of it, and why it is no frame.
+# Files written by python-can with one broken line: format, index of the line (from 0), function that breaks
+# the line, reason of the error.
 BROKEN = [
     (".log", 49, lambda line: line.replace("#", "?"), "no # between identifier and data"),
     (".log", 49, lambda line: line[:-3], "the data are not pairs of hexadecimal digits"),

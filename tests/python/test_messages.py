@@ -1,4 +1,4 @@
-"""Decoding agrees with cantools and the data base that is committed, and takes any frame."""
+"""Decoding agrees with cantools and the committed data base, and accepts any frame."""
 
 import math
 from pathlib import Path
@@ -32,7 +32,7 @@ def test_numbers_are_those_of_the_data_base(message: Message, data: bytes) -> No
     theirs = message.decode_simple(data, decode_choices=False)
     numbers = [value for value in ours.values.values() if isinstance(value, int | float) and not isinstance(value, bool)]
     expected = [float(value) for value in theirs.values() if isinstance(value, int | float)]
-    # Every plain number of ours is one of theirs; names and fault sets are told in words.
+    # Every plain number of narx is one of cantools' numbers. Names and sets of faults are texts instead.
     assert all(any(same(number, other) for other in expected) for number in numbers), (ours, theirs)
 
 
@@ -83,6 +83,6 @@ def test_files_for_other_tools_are_those_that_are_committed() -> None:
 
 
 def test_the_description_is_that_of_a_drive(bench: narx.Bench) -> None:
-    # On the bus an odd last byte is followed by a line's end.
+    # The drive adds a line's end to a text of odd length; `rstrip` removes it.
     lines, served = narx.xml().splitlines(), bench.drive.description().rstrip().splitlines()
     assert lines[2:] == served[2:] and len(lines) > 300

@@ -1,4 +1,7 @@
-"""The notebooks run from top to bottom on this package, show a picture wherever they draw one, and keep what they say."""
+"""The notebooks run with this package from top to bottom.
+
+They show a picture after each plot, and are kept without output.
+"""
 
 import base64
 import re
@@ -21,20 +24,20 @@ PICTURES = {
     "07-shaft-displacement": 3,
     "08-sweep-on-dask": 1,
 }
-"""The notebooks, and how many pictures each shows."""
+"""Number of pictures that each notebook shows."""
 PLOTS = re.compile(r"\.(plot|subplots)\(")
 CELL_MAX = 300
-"""Longest time for a cell, s: only what hangs takes so long."""
+"""Time-out of a cell, s; only a cell that hangs takes that long."""
 METADATA = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
 
 
 def pictures(cell: nbformat.NotebookNode) -> list[bytes]:
-    """The pictures that a cell shows."""
+    """Returns the pictures that a cell shows."""
     return [base64.b64decode(output.data["image/png"]) for output in cell.get("outputs", ()) if "image/png" in output.get("data", ())]
 
 
 def width_and_height(png: bytes) -> tuple[int, int]:
-    """Of a picture, pixels."""
+    """Returns the width and height of a picture, in pixels."""
     assert png.startswith(b"\x89PNG\r\n\x1a\n")
     return int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
 
@@ -48,7 +51,7 @@ def test_every_notebook_is_tested_and_listed() -> None:
 
 @pytest.mark.parametrize("name", PICTURES)
 def test_notebook(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The kernel is this environment's, whatever the user has set up for himself.
+    # Use the kernel of this environment, whatever kernels the user has configured.
     monkeypatch.setenv("JUPYTER_PREFER_ENV_PATH", "1")
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
     work = tmp_path / "work"
@@ -70,7 +73,7 @@ def test_notebook(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_notebooks_are_kept_without_what_they_have_shown() -> None:
-    """What to do about a difference stands in CONTRIBUTING.md."""
+    """The committed notebooks have no output. CONTRIBUTING.md says how to correct a difference."""
     paths = sorted(ROOT.glob("*.ipynb"))
     done = subprocess.run([sys.executable, "-m", "nbstripout", "--verify", *map(str, paths)], check=False)
     assert done.returncode == 0

@@ -1,4 +1,4 @@
-"""What stands in a variant or in a result goes to other processes and comes back the same."""
+"""Arguments of variants and results are unchanged after the way to another process."""
 
 import pickle
 from typing import Any
@@ -30,7 +30,7 @@ def test_motors(motor: narx.Motor) -> None:
         motor.max_speed,
         motor.nominal_voltage,
     )
-    # What no argument says, such as cogging, is the same, too.
+    # The copy also has the properties that no argument gives, such as cogging.
     digests = []
     for each in (motor, back):
         bench = narx.Bench(each, 24.0, mode="hall")

@@ -1,4 +1,7 @@
-"""Logs become columns: what python-can reads in them and cantools decodes, and nothing lost in silence."""
+"""Logs become columns, and every lost line is reported as an error.
+
+The frames are those that python-can reads, and the values those that cantools decodes.
+"""
 
 import io
 import math
@@ -20,7 +23,7 @@ import narx
 
 @pytest.fixture(scope="module")
 def folder() -> Iterator[Path]:
-    """A folder for examples that overwrite each other's files."""
+    """A folder for the files of all examples; each example overwrites the files of the last."""
     with tempfile.TemporaryDirectory() as name:
         yield Path(name)
 
@@ -87,7 +90,7 @@ ODD = st.builds("{} {} {}{}".format, STAMPS, CHANNELS, BODIES, DIRECTIONS)
 
 
 def theirs(line: str) -> can.Message | None:
-    """What python-can reads in a line."""
+    """Returns the frame that python-can reads in a line, or None."""
     try:
         return next(iter(can.CanutilsLogReader(io.StringIO(line))), None)
     except (ValueError, IndexError):
@@ -95,7 +98,10 @@ def theirs(line: str) -> can.Message | None:
 
 
 def impossible(line: str, frame: can.Message) -> bool:
-    """python-can reads some lines as frames that no bus has: those are errors here (docs/design/python.md, Logs as columns)."""
+    """Returns whether python-can reads the line as a frame that cannot occur on a bus.
+
+    narx reports such lines as errors (docs/design/python.md, Logs as columns).
+    """
     data = line.split("#", 1)[1].split(" ")[0]
     digits = line.split("#")[0].split()[-1]
     return (
@@ -194,5 +200,5 @@ def test_speed_is_what_the_control_mode_uses(tmp_path: Path) -> None:
 
 
 def narx_id() -> str:
-    """The digits of the drive's identifiers before type and opcode."""
+    """Returns the digits of the drive's identifiers before type and opcode."""
     return f"{DATABASE.get_message_by_name('STATUS_WORD').frame_id:08X}"[:6]

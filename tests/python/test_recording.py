@@ -1,4 +1,4 @@
-"""Recordings replay to the digest that they carry."""
+"""Recordings replay to the digest that they contain."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Sweeps: the same table whatever runs them, and every variant again bit for bit."""
+"""Sweeps: the table is the same on every executor, and every variant can be repeated bit for bit."""
 
 import importlib.util
 import pickle
@@ -22,7 +22,7 @@ GRID: dict[str, Any] = BENCH | {"rpm": [1000, 2000], "load_constant": [0.0, 0.02
 
 
 def measure(variant: narx.Variant) -> dict[str, Any]:
-    """A function of a user's; some of its variants fail."""
+    """A user's experiment, which fails for some variants."""
     if variant["rpm"] == 2000:
         raise ValueError(f"{variant['rpm']} rpm is too fast for variant {variant.index}")
     bench = variant.bench(mode="hall")
@@ -46,14 +46,14 @@ def dask() -> Iterator[Executor]:
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
         distributed.Client(cluster) as client,
     ):
-        # The workers do not have the folder of the tests on their path.
+        # The folder of the tests is not on the path of the workers.
         client.upload_file(__file__)
         yield client.get_executor()
 
 
 @pytest.fixture(params=["processes", "dask", "threads", "backwards"])
 def executor(request: pytest.FixtureRequest) -> Iterator[Executor]:
-    """Every kind of executor."""
+    """Each kind of executor in turn."""
     if request.param == "threads":
         with ThreadPoolExecutor(3) as pool:
             yield pool
@@ -65,7 +65,7 @@ def executor(request: pytest.FixtureRequest) -> Iterator[Executor]:
 
 
 class Backwards(ThreadPoolExecutor):
-    """Runs the newest of its tasks first, one by one."""
+    """Runs the newest of its tasks first, one at a time."""
 
     def __init__(self) -> None:
         super().__init__(1)
@@ -81,7 +81,7 @@ class Backwards(ThreadPoolExecutor):
 
 @pytest.fixture(scope="module")
 def inside() -> narx.Sweep:
-    """The built-in experiment on Rust's threads."""
+    """The built-in experiment on the threads of the Rust part."""
     return narx.sweep(GRID, samples=1)
 
 
@@ -100,7 +100,7 @@ def test_a_function_is_the_same_on_every_executor(executor: Executor) -> None:
     assert found["error"][4] == "ValueError: 2000 rpm is too fast for variant 4" and found["error"][0] == ""
     assert found["reached"].tolist() == [False, True, True, True] + [None] * 4
     assert np.isnan(found["peak"][4:]).all() and (found["peak"][:4] > 0.5).all()
-    # Every kind of failure comes again, and every result.
+    # Failures and results are the same on replay.
     assert found.replay(2)["digest"] == expected.replay(2)["digest"] == found.to_dict()[2]["digest"]
     with pytest.raises(ValueError, match="too fast for variant 6"):
         found.replay(6)
@@ -113,7 +113,7 @@ def test_a_variant_runs_again_bit_for_bit(inside: narx.Sweep) -> None:
         assert replay.identical and f"{replay.digest:016x}" == inside["digest"][number]
         assert trace["peak_current"].max() == pytest.approx(inside["peak_current"][number], rel=1e-6)
     assert len(set(inside["digest"])) == len(inside)
-    # Also from a row of a table that was saved: its seed stands in it.
+    # A variant can also be repeated from a row of a saved table, which contains the seed.
     row = {name: inside.to_pandas().iloc[5][name] for name in ["seed", *inside.varied]}
     again = narx.sweep([row])
     assert again["digest"][0] == inside["digest"][5] and again["seed"][0] == inside["seed"][5]
@@ -129,7 +129,7 @@ def test_the_experiment_is_what_a_user_would_run(inside: narx.Sweep) -> None:
         seed=variant.seed,
     )  # fmt: skip
     bench.drive.start(1000, wait=False)
-    # It takes the start after the self-tests.
+    # The drive obeys the start after its self-tests.
     trace = bench.run(0.9)
     row = inside.to_dict()[3]
     assert f"{bench.digest:016x}" == row["digest"]
@@ -156,7 +156,7 @@ def test_a_start_that_fails_is_a_result() -> None:
             "seconds": 1.5,
         }
     )
-    # The names vary in their order, the last one fastest.
+    # The columns vary in the order of their names in the grid, the last one fastest.
     assert list(zip(swept["mode"], swept["fault"], strict=True)) == [
         ("hall", ""), ("hall", "open-phase"), ("sensorless", ""), ("sensorless", "open-phase"),
     ]  # fmt: skip
@@ -268,7 +268,7 @@ def test_messages_in_flight_are_bounded() -> None:
 
 
 def test_a_pool_that_breaks_down_is_told(processes: Executor) -> None:
-    # Nothing local pickles.
+    # A local function cannot be pickled.
     unpicklable = narx.sweep(lambda variant: 1, processes, grid={"rpm": [1, 2]})
     assert set(unpicklable["outcome"]) == {"error"} and "ickl" in unpicklable["error"][0]
     with ProcessPoolExecutor(1) as pool:
@@ -277,7 +277,7 @@ def test_a_pool_that_breaks_down_is_told(processes: Executor) -> None:
 
 
 def die(variant: narx.Variant) -> None:
-    """Takes its process with it."""
+    """Ends its process at once."""
     import os
 
     os._exit(1)
@@ -293,13 +293,13 @@ def test_ctrl_c_keeps_what_has_ended(outside: bool, monkeypatch: pytest.MonkeyPa
     assert isinstance(caught.value, narx.SweepInterrupted)
     partial = caught.value.sweep
     assert partial.interrupted and 3 <= len(partial) <= 4 and set(partial["outcome"]) == {"running"}
-    # Which of the four short ones has not ended is the machine's business.
+    # Which of the four short variants have ended depends on the machine.
     ended = int(partial["variant"][0])
     assert f"{narx.replay(partial.replay(ended).recording()).digest:016x}" == partial["digest"][0]
 
 
 class interrupting:
-    """A progress bar at whose third step somebody presses Ctrl-C."""
+    """A progress bar that raises KeyboardInterrupt at its third step."""
 
     def __init__(self, *_: object) -> None:
         self._left = 3
@@ -356,7 +356,7 @@ def test_columns_are_named(inside: narx.Sweep) -> None:
 
 
 def test_pandas_and_tqdm_are_extras() -> None:
-    """A sweep in a Python that has neither."""
+    """A sweep runs in a Python without pandas and tqdm."""
     import subprocess
 
     program = (

@@ -91,7 +91,7 @@ def test_zero_crossings_are_marked_by_what_became_of_them(motor: narx.Motor) -> 
     bench.drive.start(2000, wait=False)
     trace = bench.run(1.5)
     time, kinds = crossings(trace)
-    # Six a turn of the magnets, all of them seen once the motor runs.
+    # There are six zero crossings in an electrical revolution, and all are accepted once the motor runs.
     runs = time > 1.45
     electrical = trace["speed"][trace.time > 1.45].mean() / 60.0 * motor.pole_pairs
     assert np.diff(time[runs]).mean() == pytest.approx(1.0 / (6.0 * electrical), rel=0.02)

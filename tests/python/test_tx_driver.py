@@ -1,4 +1,4 @@
-"""The master of a TX-Driver: on a bench, on a bus whose time is simulated, and on one that keeps step with the clock: the same calls."""
+"""`narx.TxDriver` behaves alike on a bench, on a bus in simulated time, and on a bus in real time."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +17,7 @@ EDS = str(Path(__file__).parents[2] / "docs" / "eddycan-single.eds")
 
 @pytest.fixture(params=["bench", "stepped", "realtime"])
 def tx(request: pytest.FixtureRequest, bench: narx.Bench) -> Iterator[narx.TxDriver]:
-    """A node of one channel with an encoder on the shaft, which stands."""
+    """A node with one channel and an encoder on the shaft, which stands."""
     if request.param == "bench":
         bench.add_tx_driver(2, encoder=4096)
         yield narx.TxDriver(bench, 2)
@@ -46,7 +46,7 @@ def test_it_is_configured_by_name_with_units(tx: narx.TxDriver) -> None:
 
 
 def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver, request: pytest.FixtureRequest) -> None:
-    # What arrives in a time of the clock depends on the machine.
+    # In real time the number of PDOs that arrive depends on the machine.
     simulated = request.node.callspec.params["tx"] != "realtime"
     tx.sends_encoder = True
     tx.parameters["Update Time"] = 10
@@ -55,7 +55,7 @@ def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver, request: p
     assert reading.positions == pytest.approx((1.02,), abs=0.01) and reading.encoder is not None
     assert reading.trigger == "remote" and tx.positions == pytest.approx((1.02,), abs=0.01)
     own = tx.record(0.1)
-    # From the factory the encoder is a linear one.
+    # The factory setting is a linear encoder.
     assert own.signals == {"time": "s", "position_1": "mm", "encoder": "", "encoder_position": "mm"}
     assert not simulated or (9 <= len(own) <= 11 and np.diff(own.time) == pytest.approx(0.01, abs=1e-3))
     tx.preoperational()
@@ -135,7 +135,7 @@ def test_heartbeats_tell_the_state(bench: narx.Bench) -> None:
     tx.start()
     assert tx.wait_for(lambda: tx.state is narx.NodeState.OPERATIONAL, 2.5) and tx.connected
     assert len(tx.positions) == 2 and tx.encoder is None and tx.errors == set()
-    # A node of two channels is no node of one.
+    # A master for one channel rejects the PDOs of a node with two.
     other = narx.TxDriver(bench, 3)
     other.sync()
     other.wait(0.01)
@@ -153,7 +153,7 @@ def test_a_run_out_is_recorded_beside_the_turning_motor(bench: narx.Bench) -> No
     bench.run(1.0)
     trace = tx.record(0.2, period=0.001)
     assert len(trace) == 200
-    # 50 revolutions a second: 51.2 counts a millisecond.
+    # 50 revolutions a second are 51.2 counts a millisecond.
     counts = np.diff(np.unwrap(trace["encoder"], period=1024))
     assert np.abs(counts).mean() == pytest.approx(51.2, rel=0.02)
     assert trace["position_1"].max() - trace["position_1"].min() == pytest.approx(0.04, abs=0.03)
@@ -164,7 +164,7 @@ def test_what_a_node_complains_of() -> None:
         can.Bus(channel="complaints", realtime=False, tx_drivers=[2], **BUS) as bus,
         narx.TxDriver(bus, 2) as tx,
     ):
-        # An NMT command that does not exist.
+        # This NMT command does not exist.
         bus.send(can.Message(arbitration_id=0, data=[0x99, 2], is_extended_id=False))
         assert tx.wait_for(lambda: bool(tx.errors), 0.1)
         assert tx.errors == {"protocol error"}

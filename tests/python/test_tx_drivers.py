@@ -1,4 +1,4 @@
-"""TX-Drivers beside the drive, by python-canopen with the EDS that is committed."""
+"""TX-Drivers on the drive's bus, read by python-canopen with the committed EDS."""
 
 from pathlib import Path
 from typing import Any
@@ -31,10 +31,10 @@ def test_a_sensor_is_read_beside_a_turning_motor() -> None:
                     drive.wait(0.01)
                 assert drive.state is narx.State.HALL_CLOSED_LOOP
         finally:
-            # It does not own the bus.
+            # The network does not own the bus, so it must not shut it down.
             network.bus = None
             network.disconnect()
-    # The surface runs out by some 20 um around the middle of 2 mm.
+    # The surface runs out by some 20 um; the sensor is 1 mm away, the middle of its range of 2 mm.
     assert len(seen) >= 30
     positions = [raw / 2**27 for raw in seen]
     assert all(0.95 < position < 1.05 for position in positions) and max(positions) - min(positions) > 0.02

@@ -1,4 +1,4 @@
-"""Programming a drive: on the bench, and over a bus of python-can."""
+"""Updates of a drive on a bench, and over a bus of python-can."""
 
 import json
 from pathlib import Path
@@ -13,14 +13,14 @@ BODY = bytes(range(256)) * 4
 
 
 def write(folder: Path, data: bytes) -> Path:
-    """A file of it."""
+    """Writes the data to a file."""
     path = folder / "drive.narximg"
     path.write_bytes(data)
     return path
 
 
 def test_signatures_are_those_of_the_standard() -> None:
-    """RFC 8032, section 7.3."""
+    """Signatures agree with the test vector of RFC 8032, section 7.3."""
     secret = bytes.fromhex("833fe62409237b9d62ec77587520911e9a759cec1d19755b7da901b96dca3d42")
     assert sign(secret, b"abc").hex() == (
         "98a70222f0b8121aa9d30f813d683f809e462b469c7ff87639499bb94e6dae4131f85042463c2a355a2003d062adf5aaa10b8c61e636062aaad11c2a26083406"
@@ -91,7 +91,7 @@ def test_what_stops_progress_stops_the_update(bench: narx.Bench, tmp_path: Path)
     path = write(tmp_path, image((0, 3, 0, 0), BODY))
     with pytest.raises(Stop):
         bench.drive.update(path, progress)
-    # The drive has let go of it: motors start, and the next image is taken.
+    # The stopped update has released the drive: the motor starts, and the next image is accepted.
     bench.drive.start(2000)
     bench.drive.stop()
     bench.run(1.0)

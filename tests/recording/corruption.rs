@@ -1,9 +1,9 @@
-//! Every truncation and every changed byte is noticed, and no wrong tick is handed out before it is.
+//! Tests that every truncation and every changed byte is detected, and that no wrong tick is returned before.
 
 use super::support::{Noise, record, turning};
 use narx_core::recording::{Header, ReadError, Recording, Tick};
 
-/// The ticks up to the first error, and that error.
+/// Ticks up to the first error, and that error.
 fn read(file: &[u8]) -> (Vec<Tick>, Option<ReadError>) {
     let recording = match Recording::open(file) {
         Ok(recording) => recording,
@@ -24,7 +24,7 @@ fn read(file: &[u8]) -> (Vec<Tick>, Option<ReadError>) {
 }
 
 fn sample_file() -> (Vec<u8>, Vec<Tick>) {
-    // Noise of 12 bits: about 10 bytes a tick, so two chunks.
+    // Noise of 12 bits: about 10 bytes per tick, so two chunks.
     let ticks = turning(170, &mut Noise(3));
     let file = record(&Header::drive(10_000, "damaged on purpose"), &[7; 40], &ticks);
     assert!(file.len() > 1_200, "{}", file.len());
@@ -63,7 +63,7 @@ fn every_changed_byte() {
 fn chunks_lost_repeated_or_exchanged() {
     let ticks = turning(600, &mut Noise(4));
     let file = record(&Header::drive(10_000, ""), &[], &ticks);
-    // Where each chunk begins.
+    // Begins of the chunks.
     let mut starts = vec![9];
     while *starts.last().unwrap() < file.len() {
         let at = *starts.last().unwrap();

@@ -1,4 +1,4 @@
-//! The digest, repeated here from its description alone.
+//! Tests of the digest, written again from its description alone.
 
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::machine::event::{HallCalibration, HallWiring, Limiter, Refusal, Status, Why};

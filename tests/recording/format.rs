@@ -1,4 +1,5 @@
-//! The container byte for byte, its versions, and files that pass every check but mean nothing.
+//! Tests of the container byte for byte, of its versions, and of files with valid check values but without
+//! meaning.
 
 use super::support::{HEADER, Noise, container, record, turning};
 use narx_core::motor::machine::event::Event;
@@ -81,9 +82,9 @@ fn well_formed_chunks_in_the_wrong_place() {
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'E', &[0; 17])])));
     let label = [&HEADER[..9], &[LABEL_MAX as u8 + 1], &[b'x'; LABEL_MAX + 1]].concat();
     assert!(malformed(bad(&[(b'H', &label), (b'S', &[]), (b'E', &end)])));
-    // A byte behind the label.
+    // An additional byte after the label.
     assert!(malformed(bad(&[(b'H', &[&HEADER[..], &[0]].concat()), (b'S', &[]), (b'E', &end)])));
-    // A mask that says more is to come, and a fifth edge.
+    // A mask that announces more bytes, and a fifth edge.
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'T', &[0x01]), (b'E', &end)])));
     let edges = [&[0x40, 5][..], &[0; 15]].concat();
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'T', &edges), (b'E', &end)])));
@@ -97,7 +98,8 @@ fn well_formed_chunks_in_the_wrong_place() {
 }
 
 proptest! {
-    // Neither noise nor nonsense that passes the checks makes the reader panic or run on for ever.
+    // Neither random bytes nor invalid content with valid check values makes the reader panic or run
+    // endlessly.
     #[test]
     fn noise_is_no_recording(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         prop_assert!(Recording::open(&bytes).is_err());

@@ -1,4 +1,5 @@
-//! Recordings: what is written is read back, what was damaged is never believed, and what runs again is the same.
+//! Tests of recordings: written data are read back, damage is always detected, and a replay gives the same
+//! results.
 
 mod corruption;
 mod digest;

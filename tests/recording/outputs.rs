@@ -1,11 +1,11 @@
-//! What one tick answered, as text.
+//! Test of the outputs of one tick as text.
 
 use narx_core::motor::machine::event::{HallCalibration, HallWiring, Status};
 use narx_core::motor::{Commutation, PwmCommand, Step};
 use narx_core::recording::Outputs;
 use std::fmt::{self, Write};
 
-/// Takes so many bytes; nothing may be written behind what it has refused.
+/// Sink that accepts a number of bytes; nothing may be written after the first refused text.
 struct Short {
     text: String,
     room: usize,

@@ -1,4 +1,5 @@
-//! The table vectors x targets: it notices a target that is not the same control core, and says where.
+//! Tests of the table vectors x targets: it detects a target with another control core, and locates the
+//! difference.
 
 use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
@@ -8,7 +9,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use xtask::parity::{Answer, Covered, Native, Random, Replay, Set, compare, locate};
 
-/// The drive on a target that gets one bit of one output wrong from its tick 3000 on.
+/// The drive on a target with one wrong bit in one output from its tick 3000 on.
 #[derive(Deserialize)]
 struct Faulty<const STATUS: bool>(Drive);
 
@@ -54,7 +55,7 @@ impl<const STATUS: bool> Replay for Faulty<STATUS> {
     }
 }
 
-/// Cannot even start.
+/// A target that does not even start.
 struct Broken;
 
 impl Replay for Broken {
@@ -115,7 +116,7 @@ fn a_set_counts_the_digests_of_each_target() {
     assert!(wrong.contains("faulty: differs first in tick 3000"), "{wrong}");
 }
 
-/// The vectors lead through every state and every transition.
+/// The vectors contain every state and every transition.
 #[test]
 fn what_the_vectors_cover_is_counted() {
     let all = vectors().into_iter().map(|file| Covered::of(&std::fs::read(file).unwrap()));
@@ -134,7 +135,7 @@ fn recordings_that_nobody_has_chosen_have_every_state_and_find_the_faulty_one() 
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-parity");
     let closing = random.compare(&[&Native, &Native], &directory).unwrap();
     assert!(closing[0].starts_with("202 digests equal: 101 recordings"), "{closing:?}");
-    // A window is a drive in the middle of its life.
+    // A window begins in the middle of a drive's operation.
     let file = directory.join("random-0050.narxrec");
     let window =
         replay_until::<Drive>(&Recording::open(&std::fs::read(&file).unwrap()).unwrap(), 20).unwrap();

@@ -1,4 +1,4 @@
-//! Replay against a stand-in for the drive that answers with what it has seen so far.
+//! Tests of replay against a stand-in for the drive that answers with its inputs so far.
 
 use super::support::{Noise, turning};
 use narx_core::motor::machine::event::{Command, Event, Request, Status};
@@ -13,7 +13,7 @@ use narx_sim::plant::{MotorConfig, Plant, PlantConfig};
 use narx_sim::recording::RecordingBuffer;
 use serde::{Deserialize, Serialize};
 
-/// Adds up its inputs; reports every tenth tick.
+/// Stand-in that adds up its inputs and reports every tenth tick.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Accumulator {
     sum: u16,
@@ -67,7 +67,8 @@ fn the_same_drive_answers_the_same() {
     assert_eq!((seen[0].0, seen[0].1), (6, 1_000));
 }
 
-/// The real drive turns a simulated motor by its hall sensors, and is given a parameter set on the way.
+/// Recording of the real drive, which turns a simulated motor with hall sensors and gets a parameter set on
+/// the way.
 fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
     let motor = MotorConfig { static_friction: 0.002, ..MotorConfig::default() };
     let plate = Nameplate { motor, rated_current: Some(4.0), supply: 24.0, open_loop_speed: None };
@@ -118,7 +119,7 @@ fn the_real_drive_on_a_simulated_motor() {
 
 #[test]
 fn another_drive_does_not() {
-    /// Forgets the events.
+    /// Stand-in that ignores the events.
     #[derive(Deserialize)]
     struct Deaf(Accumulator);
     impl Replayable for Deaf {
@@ -146,7 +147,7 @@ fn another_behaviour_is_a_warning() {
 
 #[test]
 fn damage_and_foreign_states_are_errors() {
-    /// Needs more state than the recording holds.
+    /// Stand-in that needs more state than the recording has.
     #[derive(Deserialize)]
     struct Foreign(Accumulator, #[expect(dead_code, reason = "only its size matters")] [u64; 9]);
     impl Replayable for Foreign {

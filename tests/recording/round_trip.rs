@@ -1,4 +1,4 @@
-//! What is written is read back.
+//! Tests that written data are read back.
 
 use super::support::{Noise, record, tick, turning};
 use narx_core::motor::{PwmCommand, Samples};
@@ -26,7 +26,7 @@ proptest! {
     }
 }
 
-/// A drive that was recorded for no time at all is a recording, too.
+/// A recording without a tick is valid, too.
 #[test]
 fn a_recording_may_be_empty() {
     let header = Header::drive(10_000, "empty");
@@ -54,7 +54,7 @@ fn what_does_not_fit_is_refused() {
     let long = "x".repeat(LABEL_MAX + 1);
     let refused = Recorder::new(RecordingBuffer::default(), &Header { label: &long, ..header }, &[]);
     assert!(matches!(refused, Err(RecordError::LabelTooLong)));
-    // A length of 256 + 10 must not pass as one of 10.
+    // A length of 256 + 10 must not be taken for 10.
     let longer = "x".repeat(266);
     let refused = Recorder::new(RecordingBuffer::default(), &Header { label: &longer, ..header }, &[]);
     assert!(matches!(refused, Err(RecordError::LabelTooLong)));
@@ -70,7 +70,7 @@ fn a_full_sink_says_so() {
     let mut recorder =
         Recorder::new(heapless::Vec::<u8, 64>::new(), &Header::drive(10_000, ""), &[]).unwrap();
     for tick in 0..20 {
-        // One tick each lies in the chunk in the making: the sink is only asked when that is full.
+        // One tick each stays in the unfinished chunk: the sink is only called when that is full.
         let samples = Samples { tick, bus_voltage: tick as u16, ..Samples::default() };
         recorder.record(None, &samples, &PwmCommand::default(), None).unwrap();
     }

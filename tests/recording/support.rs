@@ -1,4 +1,4 @@
-//! Arbitrary ticks, ticks like a turning drive's, and files made without the recorder.
+//! Arbitrary ticks, ticks like those of a turning drive, and files made without the recorder.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::motor::guard::fault::FaultWord;
@@ -9,7 +9,7 @@ use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::recording::RecordingBuffer;
 use proptest::prelude::*;
 
-/// A finished recording of these ticks, every output the default command.
+/// A finished recording of these ticks, with the default command as every output.
 pub(crate) fn record(header: &Header<'_>, state: &[u8], ticks: &[Tick]) -> Vec<u8> {
     let mut recorder = Recorder::new(RecordingBuffer::default(), header, state).unwrap();
     for tick in ticks {
@@ -18,7 +18,7 @@ pub(crate) fn record(header: &Header<'_>, state: &[u8], ticks: &[Tick]) -> Vec<u
     recorder.finish().unwrap().0
 }
 
-/// A file from chunks, by the description of the container alone: check values included.
+/// A file of chunks, by the description of the container alone, including check values.
 pub(crate) fn container(chunks: &[(u8, &[u8])]) -> Vec<u8> {
     let crc = Crc::<u32>::new(&CRC_32_ISO_HDLC);
     let mut checked = b"narxrec\n\x01".to_vec();
@@ -34,7 +34,7 @@ pub(crate) fn container(chunks: &[(u8, &[u8])]) -> Vec<u8> {
     file
 }
 
-/// The header payload of a drive recording with an empty label, of this narx.
+/// Header payload of a drive recording with an empty label, of this version of narx.
 pub(crate) const HEADER: [u8; 10] = {
     let [behaviour, layout] = [BEHAVIOUR_VERSION.to_le_bytes(), LAYOUT_VERSION.to_le_bytes()];
     [1, behaviour[0], behaviour[1], layout[0], layout[1], 0x10, 0x27, 0, 0, 0]
@@ -72,7 +72,7 @@ fn edge() -> impl Strategy<Value = Edge> {
     })
 }
 
-/// Any samples whatever, the tick number most often near a wrap.
+/// Strategy of any samples; the tick number is mostly near a wrap.
 pub(crate) fn samples() -> impl Strategy<Value = Samples> {
     let tick = prop_oneof![any::<u64>(), u64::MAX - 2..=u64::MAX, 0..3u64];
     let flags = (any::<bool>(), any::<bool>(), any::<u8>(), any::<u8>(), any::<u8>());
@@ -113,7 +113,8 @@ impl Noise {
     }
 }
 
-/// A drive that turns: 12-bit codes with noise, a hall edge every seventh tick, a sector of phase voltages each.
+/// Ticks of a drive that turns: 12-bit codes with noise, a hall edge every seventh tick, and the phase
+/// voltages of a sector each.
 pub(crate) fn turning(ticks: u64, noise: &mut Noise) -> Vec<Tick> {
     (0..ticks)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! What nodes were told and asked runs again to the same answers, and what was damaged is never believed.
+//! Tests of transcripts: the calls of nodes run again to the same answers, and damage is always detected.
 
 use crate::support::container;
 use narx_core::bus::{BusState, Frame, Id};
@@ -33,7 +33,7 @@ fn setup() -> NodeSetup {
     NodeSetup::new(Identity::default(), Board::BENCH, Parameters::new())
 }
 
-/// A node that is asked for its identity after `quiet` ticks, with the transcript of that.
+/// Transcript of a node whose identity is requested after `quiet` ticks.
 fn transcript(quiet: u64) -> Vec<u8> {
     let mut node = Node::power_up(setup()).unwrap();
     let mut transcriber = Transcriber::<Node, _>::new(Buffer::new(), 10_000, "identity", &setup()).unwrap();
@@ -58,7 +58,7 @@ fn every_vector_of_a_node_replays() {
         size += bytes.len();
         let outcome = replay_any(&bytes).unwrap();
         assert!(outcome.is_identical() && outcome.ticks > 1000, "{}: {outcome:?}", file.display());
-        // Its parts lead to the whole.
+        // Replays of its parts lead to the whole.
         let whole = replay_any_until(&bytes, u64::MAX).unwrap();
         assert_eq!((whole.ticks, whole.digest), (outcome.ticks, outcome.digest), "{}", file.display());
         let part = replay_any_until(&bytes, outcome.ticks / 2).unwrap();
@@ -68,7 +68,8 @@ fn every_vector_of_a_node_replays() {
     assert!(size < 1_000_000, "{size} bytes");
 }
 
-/// A poll that answers nothing changes nothing: that is why a transcript may leave it out, and why a shell may ask as often as it likes.
+/// A poll without an answer changes nothing: a transcript may therefore leave it out, and a shell may poll at
+/// any rate.
 #[test]
 fn who_has_nothing_to_say_stays_the_same() {
     for file in files() {
@@ -84,7 +85,7 @@ fn who_has_nothing_to_say_stays_the_same() {
                     |node| node.poll_scope().is_none(),
                     |node| node.poll_action().is_none(),
                 ];
-                // Each by itself: another one's answer hides nothing.
+                // Each poll by itself: the answer of another hides nothing.
                 for (place, is_silent) in polls.into_iter().enumerate() {
                     let mut asked = node.clone();
                     assert!(!is_silent(&mut asked) || asked == *node, "{}: poll {place}", file.display());
@@ -106,7 +107,7 @@ fn who_has_nothing_to_say_stays_the_same() {
     }
 }
 
-/// Shows a device after each of a transcript's calls.
+/// Passes a device to `see` after each of a transcript's calls.
 fn visit<D: Transcribable>(transcript: &Transcript<'_>, mut see: impl FnMut(&D)) {
     let mut device = transcript.power_up::<D>().unwrap();
     let (mut calls, mut clock, mut answers) = (transcript.calls::<D>(), 0, Answers::default());
@@ -127,7 +128,7 @@ fn a_call_that_is_made_again_is_counted_and_takes_no_room() {
     }
 }
 
-/// An answer that is another one shows, and so does one that does not come.
+/// An answer that differs changes the digest, and so does a missing one.
 #[test]
 fn another_answer_is_another_digest() {
     let mut node = Node::power_up(setup()).unwrap();
@@ -159,7 +160,7 @@ fn a_transcript_says_what_it_is_of() {
     assert_eq!(Transcript::open(&drive).unwrap_err(), ReadError::Kind { found: 1 });
 }
 
-/// What another build of the node would have answered is no news of a defect.
+/// A node with other features is not replayed: another build's answers would not show a defect.
 #[test]
 fn a_node_with_other_features_is_not_replayed() {
     let other = NodeSetup { features: 0b0111, ..setup() };
@@ -185,7 +186,7 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(full, RecordError::Sink(_)), "{full:?}");
 }
 
-/// Calls that nobody writes down, with check values that are right.
+/// Calls that no shell makes, with valid check values, are malformed.
 #[test]
 fn what_no_shell_does_is_malformed() {
     let good = transcript(3);
@@ -216,7 +217,7 @@ fn what_no_shell_does_is_malformed() {
 }
 
 proptest! {
-    /// Whatever becomes of a byte: an error, and never another story.
+    /// A changed byte gives an error, and never other calls.
     #[test]
     fn a_damaged_transcript_is_refused(at in any::<prop::sample::Index>(), flip in 1..=u8::MAX) {
         let mut bytes = transcript(10);
@@ -231,7 +232,7 @@ proptest! {
         prop_assert!(replay_any(&bytes[..keep.index(bytes.len())]).is_err());
     }
 
-    /// Anything that a shell may do comes back as it was.
+    /// All calls that a shell can make are read as they were written.
     #[test]
     fn calls_are_read_as_they_were_written(seed in prop::collection::vec((0..6_u8, any::<u64>()), 0..200)) {
         let calls: Vec<NodeCall> = seed.iter().map(|(what, value)| match what {
@@ -247,7 +248,7 @@ proptest! {
         for call in &calls {
             prop_assert_eq!(reader.read().unwrap(), Some(call));
         }
-        // As often as it is asked.
+        // At every further call.
         prop_assert_eq!(reader.read().unwrap(), None);
         prop_assert_eq!(reader.read().unwrap(), None);
     }
@@ -255,7 +256,7 @@ proptest! {
 
 type Vecs = narx_sim::recording::RecordingBuffer;
 
-/// The transcript of calls without answers.
+/// Transcript of calls without answers.
 fn written(calls: &[NodeCall]) -> Vec<u8> {
     let mut transcriber = Transcriber::<Node, Vecs>::new(Vecs::default(), 1, "", &setup()).unwrap();
     for call in calls {
@@ -264,11 +265,12 @@ fn written(calls: &[NodeCall]) -> Vec<u8> {
     transcriber.finish(&Node::power_up(setup()).unwrap()).unwrap().0
 }
 
-/// A chunk is full before a call, or between it and the three bytes that say how often it was made again, or anywhere within these.
+/// A chunk may be full before a call, or between a call and the three bytes with its number of repetitions,
+/// or anywhere within these.
 #[test]
 fn a_chunk_may_end_anywhere() {
     for filled in CHUNK_BYTES - 6..=CHUNK_BYTES + 2 {
-        // Calls of two bytes, behind one of three where the number is odd.
+        // Calls of two bytes, after one of three where the number is odd.
         let odd = filled % 2;
         let longer = std::iter::repeat_n(NodeCall::Poll(200), odd);
         let others = (0..filled / 2 - odd).map(|place| NodeCall::Poll(1 + place as u64 % 2));
@@ -284,7 +286,7 @@ fn a_chunk_may_end_anywhere() {
     }
 }
 
-/// Of a TX-Driver, too: a sample and the time are one call, which is made again and again.
+/// A TX-Driver at rest takes no room, either: a sample and the time are one call, which is repeated.
 #[test]
 fn a_tx_driver_at_rest_takes_no_room() {
     let file = files().into_iter().find(|file| file.ends_with("tx-driver-configuration.narxrec")).unwrap();

@@ -1,5 +1,5 @@
-//! The conformance vectors of `tests/vectors`: every recording replays here to the digest it carries, and shows what its
-//! scenario is named for.
+//! Tests of the conformance vectors in `tests/vectors`: every recording replays here to the digest in it, and
+//! shows the behaviour for which its scenario is named.
 
 use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use xtask::vectors::{Scenario, Seen, directory, scenarios};
 
-/// The drive, with what it reports written down.
+/// The drive with its reports recorded.
 #[derive(Deserialize)]
 struct Witness {
     drive: Drive,
@@ -39,7 +39,7 @@ fn file(scenario: &Scenario) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}; cargo xtask vectors", path.display()))
 }
 
-/// What is wrong with a vector; nothing if it is as it should be.
+/// Errors of a vector; none if it is as expected.
 fn wrong(scenario: &Scenario) -> Vec<String> {
     let bytes = file(scenario);
     let recording = Recording::open(&bytes).unwrap();
@@ -81,7 +81,7 @@ fn every_vector_replays_and_reaches_what_it_is_named_for() {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// The test above can fail: another vector's recording is not what a scenario expects.
+/// The test above can fail: the recording of another vector does not meet a scenario's expectations.
 #[test]
 fn a_vector_under_another_name_is_noticed() {
     let mut scenarios = scenarios(&root()).unwrap();
@@ -95,7 +95,7 @@ fn a_vector_under_another_name_is_noticed() {
     }
 }
 
-/// All vectors together stay small enough to be kept beside the sources.
+/// All vectors together are small enough to be stored beside the sources.
 #[test]
 fn vectors_stay_small() {
     let bytes: usize = scenarios(&root()).unwrap().iter().map(|scenario| file(scenario).len()).sum();

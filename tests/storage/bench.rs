@@ -1,4 +1,4 @@
-//! The bench: a drive with its flash on a CAN bus, in real time.
+//! Tests of the bench: a drive with its flash on a CAN bus, in real time.
 
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
 use narx_core::dictionary::{Parameters, number};
@@ -25,7 +25,7 @@ pub(crate) fn config(parameters: Option<Parameters>) -> BenchConfig {
 
 struct Host {
     bench: Bench,
-    /// What has arrived, with its time in ns.
+    /// Messages that have arrived, with their times in ns.
     received: Vec<(u64, FromDrive)>,
 }
 
@@ -51,7 +51,7 @@ impl Host {
         self.bench.send(message.encode(addresses)).unwrap();
     }
 
-    /// The answer, and how long it took, ns.
+    /// Writes a parameter; returns the answer and the time it took, ns.
     fn write(&mut self, number: u16, value: i32) -> (ParameterStatus, u64) {
         self.received.clear();
         let start = self.bench.now_ns();
@@ -81,9 +81,9 @@ fn a_drive_keeps_what_it_stored_and_its_flash_can_change_drives() {
     assert_eq!(host.write(number::SPEED_RATE, 1234).0, ParameterStatus::Done);
     let (status, time) = host.command(number::STORE);
     assert_eq!(status, ParameterStatus::Done);
-    // About eight pages of 120 us, and reading back.
+    // About eight pages of 120 us each, and reading back.
     assert!((1_000_000..50_000_000).contains(&time), "{time} ns");
-    // This one is stored by itself, before the drive restarts.
+    // This one is stored automatically, before the drive restarts.
     assert_eq!(host.write(number::SPEED_RATE, 99).0, ParameterStatus::Done);
     host.send(ToDrive::Reboot);
     host.run(600);
@@ -106,7 +106,7 @@ fn what_is_written_while_the_motor_turns_lasts() {
         host.run(100);
         assert!(turn == 0 || host.bench.status().state == State::HallClosedLoop);
     }
-    // Power is cut under way.
+    // The power is cut during the store.
     let other = Host::new(Bench::with_flash(&config(None), host.bench.into_flash()));
     assert_eq!(other.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
 }
@@ -119,7 +119,8 @@ fn without_its_flash_a_drive_does_not_run() {
     assert_eq!(host.bench.status().state, State::Fault);
 }
 
-/// A motor runs, the log writes, and a download takes what the bus leaves: status words keep their period.
+/// While a motor runs, the log writes and a download takes the rest of the bus, status words keep their
+/// period.
 #[test]
 fn a_download_under_way_moves_no_status_word() {
     let mut host = Host::new(Bench::new(&config(None)));

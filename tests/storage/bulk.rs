@@ -1,4 +1,4 @@
-//! Bulk frames of log and description, as they leave the node.
+//! Tests of bulk frames of log and description, as they leave the node.
 
 use crate::device::Device;
 use crate::node::{device, logging, signal};
@@ -8,7 +8,7 @@ use narx_core::description::LOG_RECORD;
 use narx_core::dictionary::{Kind, number};
 use narx_core::storage::{Record, record};
 
-/// What data frames have come: true for the log's.
+/// Kinds of the data frames that have come: true for the log's.
 fn order(device: &Device) -> Vec<bool> {
     let data = device.received.iter().filter_map(|message| match message {
         FromDrive::LogData { .. } => Some(true),
@@ -43,7 +43,7 @@ fn downloads_take_turns() {
     let first = order.iter().position(|log| *log).unwrap();
     let last = order.iter().rposition(|log| *log).unwrap();
     let both = &order[first..=last];
-    // Between two records the log waits for the flash, and never longer than a tick of three frames.
+    // Between two records the log waits for the flash, but never longer than a tick of three frames.
     let others = both.iter().filter(|log| !**log).count();
     assert!((50 * 6 - 1..50 * 9).contains(&others), "{others}");
     assert!(both.windows(2).all(|pair| pair != [true, true]), "no two of the log in a row");
@@ -53,7 +53,7 @@ fn downloads_take_turns() {
     assert!(text.count() > 5000, "the description ends, too");
 }
 
-/// A record that cannot be read leaves its place, and shorter ones are filled up.
+/// A record that cannot be read keeps its place, and shorter ones are filled up.
 #[test]
 fn every_record_has_its_place() {
     let mut device = device();
@@ -97,7 +97,8 @@ fn every_record_has_its_place() {
     assert_eq!(device.get(number::LOG_RECORD_BYTES), Record::size(0) as i32);
 }
 
-/// The table that the description and PROTOCOL.md are made from, held to a record: every part where the table has it.
+/// The table of which the description and PROTOCOL.md are made matches a real record: every part is where the
+/// table has it.
 #[test]
 fn records_are_as_the_description_says() {
     let mut device = logging();

@@ -1,4 +1,5 @@
-//! Parameters in four pages of the flash that the code runs from: words of 8 bytes that are programmed once, and a power that may fail in each of them.
+//! Tests of parameters in four pages of the flash that the code runs from: words of 8 bytes are programmed
+//! once, and the power may fail in each of them.
 
 use crate::support::set;
 use narx_core::dictionary::{Parameters, number};
@@ -18,7 +19,7 @@ fn blank() -> CodeFlash<Chip> {
     CodeFlash::new(InternalFlash::new(Sparse::new(), PAGES * PAGE, 1))
 }
 
-/// A request, to its end, in no more steps than there are places to try.
+/// Executes a request to its end, in no more steps than there are places to try.
 fn execute(storage: &mut CodeFlash<Chip>, request: Request) -> Report {
     storage.begin(request);
     (0..3 * PAGES).find_map(|_| storage.step()).expect("a request ends")
@@ -38,7 +39,7 @@ pub(crate) fn store(storage: &mut CodeFlash<Chip>, parameters: &Parameters, part
     }
 }
 
-/// What a drive finds at power-up.
+/// State that a drive finds at power-up.
 pub(crate) fn boot(chip: &Chip) -> (Opened, CodeFlash<Chip>) {
     let mut chip = chip.clone();
     chip.restore_power();
@@ -46,7 +47,7 @@ pub(crate) fn boot(chip: &Chip) -> (Opened, CodeFlash<Chip>) {
     (open(&mut storage), storage)
 }
 
-/// Both parts of `set(0)` are stored, and then so many sets of one parameter and a few.
+/// A flash on which both parts of `set(0)` are stored, then `stores` sets of one parameter and a few more.
 pub(crate) fn worn(stores: i32) -> Chip {
     let mut storage = blank();
     open(&mut storage);
@@ -56,7 +57,7 @@ pub(crate) fn worn(stores: i32) -> Chip {
     storage.into_flash()
 }
 
-/// The set of `variant` beside the board's own facts of `once`.
+/// The set of `variant`, with the board's own facts of `once`.
 pub(crate) fn with(variant: i32, once: i32) -> Parameters {
     let mut parameters = set(variant);
     for (row, raw) in set(once).iter().filter(|(row, _)| Part::Once.contains(row)) {
@@ -71,7 +72,7 @@ pub(crate) fn bytes(chip: &Chip) -> Vec<u8> {
     bytes
 }
 
-/// So many stores of [`worn`] fill the first page: with the next one both twins move.
+/// Number of stores of [`worn`] that fill the first page: with the next one both twins move.
 pub(crate) fn until_full() -> i32 {
     let mut storage = CodeFlash::new(worn(0));
     open(&mut storage);
@@ -142,7 +143,7 @@ fn a_store_writes_what_has_changed_and_an_erase_is_for_a_full_page() {
     let (words, nanoseconds) = steps(&mut storage, &one);
     assert_eq!(words, 2 * 2, "a record and a commit, twice");
     assert!(nanoseconds < 1_000_000, "{nanoseconds} ns");
-    // Each page holds the set and some stores; then everything moves, and every page has its turn.
+    // Each page holds the set and some stores; then everything moves, and every page is used in turn.
     let before = storage.flash().memory().wear_max();
     for value in 100..1100 {
         one.set(number::SPEED_RATE, value).unwrap();
@@ -179,7 +180,7 @@ fn a_flash_of_the_wrong_size_is_absent() {
     assert_eq!(on_pages_of::<1024>(), FaultWord::STORE_MISMATCH);
 }
 
-/// The faults of a first power-up on a blank flash with such pages.
+/// Faults of a first power-up on a blank flash with pages of this size.
 fn on_pages_of<const BYTES: usize>() -> FaultWord {
     let mut storage = CodeFlash::new(InternalFlash::<Sparse, BYTES>::new(Sparse::new(), 4096, 1));
     storage.begin(Request::Open);
@@ -196,7 +197,7 @@ fn a_flash_that_fails_while_storing_says_so_and_keeps_what_it_had() {
     assert_eq!(boot(storage.flash()).0.parameters, with(1, 0));
 }
 
-/// A word as it stands on the flash: number, value, CRC-16 of both, big endian.
+/// A word as it is on the flash: number, value, CRC-16 of both, big endian.
 fn word(number: u16, value: i32) -> [u8; WORD] {
     let mut word = [0; WORD];
     word[..2].copy_from_slice(&number.to_be_bytes());
@@ -206,14 +207,14 @@ fn word(number: u16, value: i32) -> [u8; WORD] {
     word
 }
 
-/// A page as other firmware has left it: form 1 or another, records, and the commit of store 1.
+/// A page of other firmware: form 1 or another, records, and the commit of store 1.
 fn page_of(form: i32, records: &[(u16, i32)]) -> Vec<u8> {
     let head = [(0xFFFD, form << 16 | 1)];
     let words = head.iter().chain(records).chain(&[(0xFFFE, 1)]);
     words.flat_map(|(number, value)| word(*number, *value)).collect()
 }
 
-/// What a page holds: its name, form and records; what comes of it: faults, and the rate.
+/// Content of a page (name, form, records), and the result: faults, and the rate.
 type Left<'a> = (&'a str, i32, &'a [(u16, i32)], FaultWord, i32);
 
 #[test]
@@ -233,14 +234,15 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
         let (opened, mut storage) = boot(&chip);
         assert_eq!((opened.faults, opened.parameters.value(rate).unwrap()), (faults, raw), "{what}");
         assert!(!opened.repaired && bytes(storage.flash()) == bytes(&chip), "{what}");
-        // Storing what the drive now has cures it.
+        // Storing the drive's present set cures the fault.
         assert!(store(&mut storage, &opened.parameters, Part::Set), "{what}");
         let (again, _) = boot(storage.flash());
         assert_eq!((again.faults, again.parameters), (FaultWord::empty(), opened.parameters), "{what}");
     }
 }
 
-/// Every cut of a store, in every kind of tear: the set before or the new one, and the next store and boot are as if nothing had been. The boot after some is cut, too.
+/// Cuts a store at every step, with every kind of tear: the set before or the new one is found, and the next
+/// store and boot work as if nothing had happened. The boot after some cuts is cut, too.
 fn cut_everywhere(chip: &Chip, old: &Parameters, new: &Parameters) -> u64 {
     let mut whole = boot(chip).1;
     let before = whole.flash().steps();
@@ -315,7 +317,7 @@ fn every_cut_of_storing_once() {
     }
 }
 
-/// The first store of all is cut: nobody has stored yet, or everything is there.
+/// After a cut of the first store, either nothing is stored yet, or everything is.
 #[test]
 fn every_cut_of_the_first_store() {
     let mut whole = blank();
@@ -338,7 +340,7 @@ fn every_cut_of_the_first_store() {
     }
 }
 
-/// What happens to a flash.
+/// A step in the life of a flash.
 #[derive(Clone, Debug)]
 enum Step {
     Store(i32, Part),
@@ -361,7 +363,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Stores, cuts and boots in any order, against two numbers: the variants that are in force.
+    /// Stores, cuts and boots in any order agree with a model of two numbers: the variants in force.
     #[test]
     fn it_is_a_set_and_the_boards_facts(steps in steps()) {
         let mut storage = CodeFlash::new(worn(0));
@@ -391,7 +393,7 @@ proptest! {
         }
     }
 
-    /// Whatever stands on the flash: no panic, and a store that works afterwards.
+    /// With any content of the flash nothing panics, and a store works afterwards.
     #[test]
     fn no_content_makes_it_panic(seed: u64, density in 1..=16_u64) {
         let mut chip = worn(3);

@@ -1,4 +1,4 @@
-//! Bits and words that fall over in the flash that the code runs from, at rest and while the drive runs.
+//! Tests of bits and words that flip in the flash that the code runs from, at rest and while the drive runs.
 
 use crate::code_flash::{Chip, PAGE, PAGES, boot, bytes, open, store, until_full, with, worn};
 use crate::support::set;
@@ -14,7 +14,8 @@ fn flip(chip: &mut Chip, at: u32, bit: u32) {
     chip.load(at, &[byte[0] ^ 1 << bit]);
 }
 
-/// Bits of every page, blank ones too: it is seen, the set is right, no older one comes back, and the page is made anew.
+/// A flipped bit of any page, also a blank one, is detected; the set is right, no older one comes back, and
+/// the page is made anew.
 #[test]
 fn a_flipped_bit_is_detected_and_mended() {
     // The older pages hold older sets.
@@ -22,7 +23,7 @@ fn a_flipped_bit_is_detected_and_mended() {
     let chip = worn(stores);
     let (mut seen, mut flips) = (0, 0);
     for at in (0..PAGES * PAGE).step_by(3) {
-        // One bit of a byte, and all of those of some.
+        // One bit of most bytes, and all bits of some.
         for bit in if at % 97 == 0 { 0..8 } else { at % 8..at % 8 + 1 } {
             let mut flipped = chip.clone();
             flip(&mut flipped, at, bit);
@@ -44,7 +45,7 @@ fn a_flipped_bit_is_detected_and_mended() {
     assert!(seen.abs_diff(flips / 2) < 8, "{seen} of {flips} flips were seen");
 }
 
-/// One wrong bit in either twin: the page is made anew from the other one.
+/// A wrong bit in either twin makes the page be written anew from the other one.
 #[test]
 fn a_damaged_twin_is_made_anew() {
     for at in [20, PAGE + 20] {
@@ -56,7 +57,7 @@ fn a_damaged_twin_is_made_anew() {
     }
 }
 
-/// A bit of a word that stands falls over while the drive runs: the next store does not take that page for a twin.
+/// If a bit of a written word flips while the drive runs, the next store does not use that page as a twin.
 #[test]
 fn a_store_makes_a_twin_that_is_whole() {
     for page in 0..2 {
@@ -70,7 +71,7 @@ fn a_store_makes_a_twin_that_is_whole() {
     }
 }
 
-/// A word that is blank again, as no power cut leaves it: nothing of the page is believed.
+/// A word that is blank again, which no power cut causes, makes the whole page invalid.
 #[test]
 fn a_word_that_is_gone_is_a_set_that_is_lost() {
     let mut chip = worn(1);
@@ -81,7 +82,8 @@ fn a_word_that_is_gone_is_a_set_that_is_lost() {
     assert_eq!((opened.faults, opened.parameters), (FaultWord::STORE_MISMATCH, Parameters::new()));
 }
 
-/// A bit that falls in the blank part while the drive runs, in either twin or in both: what is stored next goes around it.
+/// If a bit falls in the blank part while the drive runs, in either twin or in both, the next store goes
+/// around it.
 #[test]
 fn a_store_goes_around_fallen_bits() {
     let chip = worn(1);
@@ -101,7 +103,7 @@ fn a_store_goes_around_fallen_bits() {
     }
 }
 
-/// Both twins are damaged: nothing older is brought back, and the drive says so.
+/// If both twins are damaged, no older set comes back, and the drive reports a fault.
 #[test]
 fn a_set_that_is_lost_is_a_fault_and_not_the_set_before() {
     let stores = 3 * until_full() + 1;
@@ -120,7 +122,7 @@ fn a_set_that_is_lost_is_a_fault_and_not_the_set_before() {
     assert_eq!((opened.faults, opened.repaired, opened.parameters), (FaultWord::empty(), false, set(5)));
 }
 
-/// What would be found if `page` were the only one.
+/// Parameters that would be found if `page` were the only page.
 fn boot_of_one(chip: &Chip, page: u32) -> Parameters {
     let mut alone: Chip = InternalFlash::new(Sparse::new(), PAGES * PAGE, 1);
     let from = (page * PAGE) as usize;

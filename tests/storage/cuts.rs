@@ -1,4 +1,4 @@
-//! Power cuts at every byte of every operation, and again while the drive recovers.
+//! Tests of power cuts at every byte of every operation, and again while the drive recovers.
 
 use crate::support::{Chip, boot, formatted, open, set, small, store};
 use narx_core::dictionary::Parameters;
@@ -8,7 +8,8 @@ use narx_sim::flash::{MBIT_256, MBYTE_256, Tear};
 
 const TEARS: [Tear; 3] = [Tear::Nothing, Tear::Partial, Tear::Garbage];
 
-/// Stores `new` with a cut in step `cut`; answers whether the store was done, and the flash as the cut left it.
+/// Stores `new` with a cut in step `cut`; returns whether the store was done, and the flash as the cut left
+/// it.
 fn cut_store(chip: &Chip, new: &Parameters, part: Part, cut: u64, tear: Tear) -> (bool, Chip) {
     let mut storage = Storage::new(chip.clone());
     open(&mut storage);
@@ -17,7 +18,7 @@ fn cut_store(chip: &Chip, new: &Parameters, part: Part, cut: u64, tear: Tear) ->
     (done, storage.into_flash())
 }
 
-/// Steps of a store, each a place for a cut.
+/// Number of steps of a store; each is a place for a cut.
 fn steps(chip: &Chip, new: &Parameters, part: Part) -> u64 {
     let mut storage = Storage::new(chip.clone());
     open(&mut storage);
@@ -26,7 +27,8 @@ fn steps(chip: &Chip, new: &Parameters, part: Part) -> u64 {
     storage.flash().steps() - before
 }
 
-/// Boots, and boots again: the set is one of the two, the store is healthy, and the second boot has nothing to repair.
+/// Boots twice; checks that the set is one of the two, that the store is healthy, and that the second boot
+/// has nothing to repair.
 fn assert_recovers(chip: &Chip, old: &Parameters, new: &Parameters, what: &str) -> Chip {
     let (opened, after) = boot(chip);
     assert_eq!(opened.faults, FaultWord::empty(), "{what}");
@@ -39,7 +41,7 @@ fn assert_recovers(chip: &Chip, old: &Parameters, new: &Parameters, what: &str) 
     after
 }
 
-/// All cuts of one store in steps of `stride`; answers how many.
+/// Makes all cuts of one store in steps of `stride`; returns their number.
 fn cut_everywhere(chip: &Chip, old: &Parameters, new: &Parameters, part: Part, stride: usize) -> usize {
     let mut cuts = 0;
     for tear in TEARS {
@@ -48,7 +50,7 @@ fn cut_everywhere(chip: &Chip, old: &Parameters, new: &Parameters, part: Part, s
             let (done, torn) = cut_store(chip, new, part, cut, tear);
             assert!(!done && torn.is_off(), "{what}");
             let after = assert_recovers(&torn, old, new, &what);
-            // And it goes on working.
+            // The store still works afterwards.
             if cut % 97 == 0 {
                 let mut storage = Storage::new(after);
                 open(&mut storage);
@@ -72,14 +74,15 @@ fn worn(count: i32) -> Chip {
     storage.into_flash()
 }
 
-/// Two subsectors a map and about four sets in each: within nine stores every kind of operation has come.
+/// A cut of a store leaves the old set or the new one. With two subsectors per map and about four sets in
+/// each, nine stores include every kind of operation.
 #[test]
 fn every_cut_of_a_store_leaves_the_old_set_or_the_new_one() {
     let mut cuts = 0;
     for count in 0..9 {
         let chip = worn(count);
         let mut new = set(500);
-        // The other part stays: a set is old or new as a whole.
+        // The other part is unchanged: a set is old or new as a whole.
         for (row, raw) in set(count).iter().filter(|(row, _)| Part::Once.contains(row)) {
             new.set(row.number, raw).unwrap();
         }
@@ -100,7 +103,7 @@ fn every_cut_of_storing_once() {
     cut_everywhere(&chip, &set(2), &new, Part::Once, 1);
 }
 
-/// The recovery itself is cut, everywhere, and then recovers.
+/// A recovery that is cut at any step recovers the next time.
 #[test]
 fn every_cut_of_a_recovery() {
     let mut cuts = 0;
@@ -132,7 +135,8 @@ fn every_cut_of_a_recovery() {
     assert!(cuts > 3_000, "{cuts}");
 }
 
-/// Making the layout is cut: the flash is blank as before (fault 26), or it is a drive's with the set that was stored.
+/// If the first store, which makes the layout, is cut, the flash is blank as before (fault 26), or it has the
+/// layout and the stored set.
 #[test]
 fn every_cut_of_the_first_store() {
     let blank = crate::support::blank(narx_sim::flash::KBYTE_512);

@@ -15,18 +15,18 @@ pub(crate) struct Device {
     pub(crate) storage: Storage<Chip>,
     drive: Drive,
     pub(crate) now: u64,
-    /// Reports of the flash are held back, as if it took for ever.
+    /// Holds back reports of the flash, as if it never answered.
     pub(crate) hold: bool,
     held: Option<Report>,
-    /// Stores that the drive has asked for.
+    /// Number of stores that the drive has requested.
     pub(crate) stores: u32,
-    /// Download frames taken in one tick.
+    /// Download frames taken per tick.
     pub(crate) download_rate: usize,
     pub(crate) received: Vec<FromDrive>,
 }
 
 impl Device {
-    /// Power-up.
+    /// Powers up.
     pub(crate) fn new(chip: Chip) -> Self {
         let mut storage = Storage::new(chip);
         storage.flash().restore_power();
@@ -48,14 +48,14 @@ impl Device {
         }
     }
 
-    /// Powered up and in Standby, or where a fault keeps it.
+    /// Powers up, until Standby, or the state in which a fault keeps the drive.
     pub(crate) fn booted(chip: Chip) -> Self {
         let mut device = Self::new(chip);
         device.run(510);
         device
     }
 
-    /// The request on the bus: what waits to be stored is stored first.
+    /// Reboots by a request on the bus: values that wait are stored first.
     pub(crate) fn reboot(mut self) -> Self {
         self.send(ToDrive::Reboot);
         for _ in 0..1000 {
@@ -67,7 +67,7 @@ impl Device {
         panic!("no reboot within 100 ms");
     }
 
-    /// Without warning: off, and on again.
+    /// Cuts the power without warning, and restores it.
     pub(crate) fn power_cut(self) -> Self {
         Self::booted(self.storage.into_flash())
     }
@@ -105,7 +105,7 @@ impl Device {
         self.now += 1;
     }
 
-    /// One request and its report, if it is not held back.
+    /// Serves one request and its report, unless that is held back.
     fn serve(&mut self) {
         if let Some(request) = self.node.poll_storage() {
             assert!(self.held.is_none(), "one request at a time");
@@ -128,14 +128,14 @@ impl Device {
         self.send(ToDrive::RequestWord(RequestWord { mode }));
     }
 
-    /// Writes a parameter; what is answered within 100 ms.
+    /// Writes a parameter; returns the answer, if it comes within 100 ms.
     pub(crate) fn write(&mut self, number: u16, value: i32) -> Option<(i32, ParameterStatus)> {
         self.received.clear();
         self.send(ToDrive::SetParameter { number, value });
         self.answer(number)
     }
 
-    /// 0 and then 1: the answer to the 1.
+    /// Writes 0 and then 1; returns the answer to the 1.
     pub(crate) fn command(&mut self, number: u16) -> Option<ParameterStatus> {
         assert_eq!(self.write(number, 0), Some((0, ParameterStatus::Done)));
         self.write(number, 1).map(|(_, status)| status)
@@ -171,7 +171,7 @@ impl Device {
         self.node.status().faults
     }
 
-    /// The next status word on the bus.
+    /// Waits for the next status word on the bus.
     pub(crate) fn status(&mut self) -> StatusWord {
         self.received.clear();
         for _ in 0..600 {
@@ -185,7 +185,7 @@ impl Device {
         panic!("no status word in a broadcast period");
     }
 
-    /// Downloads until nothing comes any more; the records, and the counters of their frames.
+    /// Downloads until no more frames come; returns the records, and the counters of their frames.
     pub(crate) fn download(&mut self, start: i32, count: i32) -> (Vec<Record>, Vec<u16>) {
         self.set(number::LOG_READ_START, start);
         self.set(number::LOG_READ_COUNT, count);
@@ -201,7 +201,7 @@ impl Device {
         self.records()
     }
 
-    /// What the frames received so far hold.
+    /// Records in the frames received so far.
     pub(crate) fn records(&self) -> (Vec<Record>, Vec<u16>) {
         let mut bytes = Vec::new();
         let mut counters = Vec::new();

@@ -1,4 +1,4 @@
-//! The simulated flash does what a NOR flash does.
+//! Tests that the simulated flash behaves as a NOR flash.
 
 use crate::support::{blank, now};
 use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};

@@ -1,4 +1,4 @@
-//! Single bits that turn over on the flash.
+//! Tests of single bits that flip on the flash.
 
 use crate::support::{Chip, boot, open, set, small, store};
 use core::ops::Range;
@@ -7,8 +7,9 @@ use narx_core::storage::{Opened, Part, Storage, layout::Layout};
 use narx_sim::flash::Memory as _;
 use proptest::prelude::*;
 
-/// Every bit of everything that is stored, in either copy: the set is right, and the copy is seen to be damaged and made
-/// anew. The first and last byte of a subsector of a map are its marks, of whose eight bits four must agree.
+/// For every flipped bit of everything that is stored, in either copy, the set is right, and the copy is
+/// found damaged and made anew. The first and last byte of a subsector of a map are its marks, of whose eight
+/// bits four must agree.
 #[test]
 fn every_flipped_bit_of_the_stored_image_is_detected_and_mended() {
     let chip = small(&set(1));
@@ -38,7 +39,7 @@ fn every_flipped_bit_of_the_stored_image_is_detected_and_mended() {
     assert!(flips > 10_000, "{flips}");
 }
 
-/// With older sets beside it the newest one stays the newest: a wrong bit brings none of them back.
+/// With older sets beside it the newest one stays the newest: no wrong bit brings an older one back.
 #[test]
 fn no_flipped_bit_brings_an_older_set_back() {
     let mut storage = Storage::new(small(&set(0)));
@@ -61,10 +62,10 @@ fn no_flipped_bit_brings_an_older_set_back() {
     }
 }
 
-/// Bytes of a run: from one subsector into the next.
+/// Length of a run of bytes: from one subsector into the next.
 const STRUCK: u32 = 4080;
 
-/// Makes a run of bytes the same.
+/// Sets a run of bytes to one value.
 fn strike(chip: &mut Chip, run: Range<u32>, byte: u8) {
     for at in run {
         let mut old = [0];
@@ -73,8 +74,9 @@ fn strike(chip: &mut Chip, run: Range<u32>, byte: u8) {
     }
 }
 
-/// Nearly a subsector of one byte, anywhere in one copy. A map that has lost a mark is put in order by the first write into it, which costs items that were whole;
-/// one power-up mends those, too.
+/// One power-up repairs a copy in which nearly a subsector was set to one byte, anywhere. A map that has lost
+/// a mark is reorganised by the first write into it, which costs items that were valid; the same power-up
+/// repairs those, too.
 #[test]
 fn one_power_up_mends_a_struck_copy() {
     let chip = small(&set(1));
@@ -93,7 +95,8 @@ fn one_power_up_mends_a_struck_copy() {
     }
 }
 
-/// The same in both copies at once, around their items: what the first power-up has found is there at the next one.
+/// If both copies are damaged in this way, around their items, the next power-up finds the parameters that
+/// the first one found.
 #[test]
 fn mending_two_struck_copies_keeps_what_it_has_found() {
     let chip = small(&set(1));
@@ -114,7 +117,7 @@ fn mending_two_struck_copies_keeps_what_it_has_found() {
     assert!((10..90).contains(&whole), "{whole}");
 }
 
-/// A power-up after one that has mended.
+/// Checks a power-up after one that has repaired.
 fn assert_same(opened: &Opened, again: &Opened, what: &str) {
     assert_eq!((again.faults, &again.parameters), (opened.faults, &opened.parameters), "{what}");
     assert_eq!((again.repaired, again.log), (false, opened.log), "{what}");
@@ -123,7 +126,7 @@ fn assert_same(opened: &Opened, again: &Opened, what: &str) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
-    /// A bit that has fallen where the next set goes: what is stored is read back, so it is stored elsewhere.
+    /// If a bit has fallen where the next set goes, the set is read back, and stored elsewhere.
     #[test]
     fn a_set_is_stored_over_fallen_bits(at in 0..6 * 4096_u32, bit in 0..8_u8, others in prop::collection::vec((0..6 * 4096_u32, 0..8_u8), 0..3)) {
         let mut chip = small(&set(1));
@@ -132,14 +135,14 @@ proptest! {
         let mut storage = Storage::new(chip);
         prop_assert_eq!(open(&mut storage).parameters, set(1));
         for (at, bit) in others {
-            // In one copy only: two damaged copies are beyond what a mirror mends.
+            // In one copy only: a mirror cannot repair two damaged copies.
             storage.flash().flip(first + at % (3 * 4096), bit);
         }
         prop_assert!(store(&mut storage, &set(2), Part::Set));
         prop_assert_eq!(boot(storage.flash()).0.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
     }
 
-    /// Whatever stands on the flash: no panic, and a store that works afterwards.
+    /// With any content of the flash nothing panics, and a store works afterwards.
     #[test]
     fn no_content_makes_it_panic(seed in any::<u64>(), labelled: bool, density in 1..=8_u32) {
         let mut chip = small(&set(1));

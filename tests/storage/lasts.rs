@@ -1,4 +1,5 @@
-//! A write lasts: what a master has written is stored by itself, and what it restored stays restored (decisions 22 and 24 of PROTOCOL.md).
+//! Tests that a write lasts: values that a master has written are stored automatically, and restored ones
+//! stay restored (decisions 22 and 24 of PROTOCOL.md).
 
 use crate::device::Device;
 use crate::node::device;
@@ -10,7 +11,7 @@ use narx_core::motor::State;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_sim::flash::Tear;
 
-/// Programs of the flash so far.
+/// Number of programs of the flash so far.
 fn programs(device: &mut Device) -> u64 {
     device.storage.flash().counts().programs
 }
@@ -26,7 +27,7 @@ fn a_write_is_stored_within_two_seconds() {
     }
 }
 
-/// Every step of an automatic store is cut: the old value or the new one is there, and the flash is healthy.
+/// A cut of an automatic store at any step leaves the old value or the new one, and the flash is healthy.
 #[test]
 fn a_power_cut_leaves_the_old_value_or_the_new_one() {
     let steps = {
@@ -56,7 +57,7 @@ fn a_power_cut_leaves_the_old_value_or_the_new_one() {
     assert!(seen[0] > 0 && seen[1] > 0, "{seen:?}");
 }
 
-/// Whoever tunes by the hundred writes the flash once a second, and with values that are there already not at all.
+/// Hundreds of writes are stored once a second, and writes of values that are already stored not at all.
 #[test]
 fn writes_are_stored_together_and_only_once() {
     let mut device = device();
@@ -78,7 +79,7 @@ fn writes_are_stored_together_and_only_once() {
     assert_eq!(device.power_cut().get(number::SPEED_RATE), 5999);
 }
 
-/// A value that is written there and back is not stored.
+/// A value that is changed and changed back is not stored.
 #[test]
 fn a_value_that_is_as_it_was_is_not_stored() {
     let mut device = device();
@@ -114,7 +115,7 @@ fn what_257_keeps_is_kept_by_257_alone() {
     assert_eq!(number_of(&device), Some(9));
 }
 
-/// Parameter 307 is 0: only 256 stores. The 0 itself lasts, with all that was written before it.
+/// With parameter 307 at 0 only 256 stores. The 0 itself lasts, with everything that was written before it.
 #[test]
 fn the_automatic_store_can_be_off() {
     let mut device = device();
@@ -149,7 +150,8 @@ fn a_reboot_stores_first() {
     assert_eq!(device.reboot().get(number::SPEED_RATE), 1234);
 }
 
-/// The automatic store is nobody's store: 256 is neither refused because of it nor held up a second by it.
+/// The automatic store does not interfere with commands: 256 is neither refused because of it nor delayed by
+/// its second.
 #[test]
 fn a_command_goes_with_the_automatic_store() {
     let mut device = device();
@@ -162,7 +164,7 @@ fn a_command_goes_with_the_automatic_store() {
     assert_eq!(device.command(number::STORE), Some(Storage), "those that are asked for are a second apart");
 }
 
-/// The flash goes away: the values stay in force, and are stored when it is back.
+/// If the flash is lost, the values stay in force, and are stored when it is back.
 #[test]
 fn what_could_not_be_stored_is_stored_when_the_flash_is_back() {
     let mut device = device();
@@ -179,7 +181,8 @@ fn what_could_not_be_stored_is_stored_when_the_flash_is_back() {
     assert_eq!(device.power_cut().get(number::SPEED_RATE), 1234);
 }
 
-/// Fault 30 at power-up: what a master writes before the flash is there counts more than what the flash brings.
+/// With fault 30 at power-up, values that a master writes before the flash is there take precedence over the
+/// flash's.
 #[test]
 fn a_flash_that_comes_late_leaves_what_has_been_written() {
     let mut chip = small(&set(7));
@@ -193,7 +196,8 @@ fn a_flash_that_comes_late_leaves_what_has_been_written() {
     assert_eq!((stored.raw(number::SPEED_RATE), stored.raw(number::LOG_PERIOD)), (1234, 17));
 }
 
-/// A flash with a fault may hold another board's set. The drive overwrites it only when a master asks for that.
+/// A flash with a fault may hold the set of another board. The drive overwrites it only when a master
+/// requests that.
 #[test]
 fn a_flash_with_a_fault_is_written_on_demand_alone() {
     let mut device = Device::booted(crate::support::blank(narx_sim::flash::KBYTE_512));
@@ -206,7 +210,8 @@ fn a_flash_with_a_fault_is_written_on_demand_alone() {
     assert_eq!(device.power_cut().get(number::SPEED_RATE), 1234);
 }
 
-/// At any moment, in force after the next reboot; device number and calibration stay.
+/// A restore is possible at any moment, and takes effect at the next reboot; device number and calibration
+/// are kept.
 #[test]
 fn a_restore_is_in_force_after_the_reboot() {
     for driving in [false, true] {
@@ -237,7 +242,7 @@ fn a_restore_is_in_force_after_the_reboot() {
     }
 }
 
-/// After a restore a write lasts as ever, and nothing else of the set that is still in force does.
+/// After a restore a write lasts as usual, and the rest of the set that is still in force does not.
 #[test]
 fn a_write_after_a_restore_lasts_alone() {
     for asked in [false, true] {
@@ -247,7 +252,7 @@ fn a_write_after_a_restore_lasts_alone() {
         let mut device = Device::booted(small(&stored));
         device.send(ToDrive::RestoreFactory { serial: 100 });
         device.run(100);
-        // One that changes, and one that is what it was.
+        // One write that changes a value, and one that does not.
         device.set(number::SPEED_RATE, 1234);
         device.set(number::LOG_PERIOD, 17);
         if asked {

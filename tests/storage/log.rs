@@ -1,4 +1,4 @@
-//! The ring of records on the flash: both ends, wear, cuts, flips.
+//! Tests of the ring of records on the flash: both ends, wear, cuts, flips.
 
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small};
 use embedded_storage_async::nor_flash::NorFlash;
@@ -30,7 +30,7 @@ fn read(storage: &mut Storage<Chip>, index: u32) -> Option<Record> {
     }
 }
 
-/// Erases to the end; how many steps it took.
+/// Erases to the end; returns the number of steps.
 pub(crate) fn erase(storage: &mut Storage<Chip>) -> usize {
     for step in 0..10_000 {
         let (done, memory) = ask(storage, Request::Erase);
@@ -43,7 +43,7 @@ pub(crate) fn erase(storage: &mut Storage<Chip>) -> usize {
     panic!("an erase without end");
 }
 
-/// A drive with `count` records since an erase, of which the log begins at subsector `first`.
+/// A drive with `count` records since an erase, whose log begins at subsector `first`.
 pub(crate) fn filled(first: u32, count: i32) -> Storage<Chip> {
     let mut storage = Storage::new(small(&set(1)));
     open(&mut storage);
@@ -88,7 +88,7 @@ fn both_ends_are_found_wherever_the_log_begins() {
     }
 }
 
-/// 256 MByte: the end is found in a few milliseconds of the flash's time.
+/// On a flash of 256 MByte the end is found in a few milliseconds of its time.
 #[test]
 fn boot_is_quick_on_the_largest_flash() {
     let mut storage = Storage::new(formatted(MBYTE_256, &set(1)));
@@ -117,7 +117,7 @@ fn an_erase_never_leaves_the_log_and_wears_all_subsectors_alike() {
         erase(&mut storage);
         let after: Vec<u32> =
             (end..512 << 10).step_by(4096).map(|at| storage.flash().memory().wear(at)).collect();
-        // The maps may move an item to a fresh subsector, which is what their subsectors are for.
+        // The maps may move an item to a fresh subsector; that is the purpose of their subsectors.
         assert!(after.iter().zip(&outside).all(|(after, before)| after - before <= 1), "round {round}");
     }
     let worn: Vec<u32> = (0..end).step_by(4096).map(|at| storage.flash().memory().wear(at)).collect();
@@ -129,7 +129,7 @@ fn an_erase_never_leaves_the_log_and_wears_all_subsectors_alike() {
 fn a_fresh_flash_is_usable_at_once_and_an_unknown_one_after_an_erase() {
     let (opened, _) = boot(&small(&set(1)));
     assert!(opened.log.is_erased() && !opened.log.is_full());
-    // Something stands in the log's place, and nobody knows since when.
+    // Unknown content in the place of the log.
     let mut chip = blank(KBYTE_512);
     now(chip.write(8192, &[1; 512])).unwrap();
     let mut storage = Storage::new(chip);
@@ -139,14 +139,14 @@ fn a_fresh_flash_is_usable_at_once_and_an_unknown_one_after_an_erase() {
     let opened = open(&mut storage);
     assert!(opened.log.lost && opened.log.is_full() && !append(&mut storage, 1));
     erase(&mut storage);
-    // Only what was not blank was erased.
+    // Only subsectors that were not blank were erased.
     assert_eq!(storage.flash().memory().wear(8192), 1);
     assert_eq!(storage.flash().memory().wear(0x4_0000), 0);
     assert!(append(&mut storage, 1));
 }
 
-/// Every byte of a record's program, on every kind of page: what was written before is there, the record in flight is there or
-/// not, and the log goes on behind it.
+/// A cut at any byte of a record's program, on every kind of page, loses at most that record: the earlier
+/// ones are there, and the log goes on behind it.
 #[test]
 fn every_cut_of_a_record_loses_at_most_that_record() {
     let mut cuts = 0;
@@ -191,7 +191,7 @@ fn every_cut_of_a_record_loses_at_most_that_record() {
     assert!(cuts >= 5 * 3 * 30);
 }
 
-/// An erase is cut off everywhere: after the boot it goes on, ends, and the parameters are there.
+/// After a cut of an erase at any step the erase goes on after the boot, and ends; the parameters are there.
 #[test]
 fn every_cut_of_an_erase_is_finished_after_the_boot() {
     let mut full = filled(100, 30 * 16 + 5);
@@ -310,7 +310,7 @@ fn operation() -> impl Strategy<Value = Operation> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Any life of a log, against a list: nothing that was written whole is lost, changed or moved.
+    /// Any life of a log agrees with a list: no record that was completely written is lost, changed or moved.
     #[test]
     fn a_log_is_a_list(operations in prop::collection::vec(operation(), 1..25)) {
         let mut storage = filled(117, 0);
@@ -336,7 +336,7 @@ proptest! {
                         list.push(next);
                         next += 1;
                     }
-                    // In flight: there or not.
+                    // Under way: there or not.
                     next += 1;
                     storage.flash().restore_power();
                     storage.flash().cut_after(boot_steps, tears[usize::from(tear)]);

@@ -1,4 +1,4 @@
-//! What is known of the log's memory, and what it refuses.
+//! Tests of the knowledge about the log's memory, and of requests that it refuses.
 
 use crate::log::{append, ask, erase, filled, values};
 use crate::node::device;
@@ -13,7 +13,7 @@ use narx_core::storage::layout::Layout;
 use narx_core::storage::{Entry, Memory, Part, Request, Storage};
 use narx_sim::flash::MBIT_256;
 
-/// What the status word and a master's request go by.
+/// A memory is full, erased, or neither; the status word and a master's request depend on this.
 #[test]
 fn a_memory_is_full_or_erased_or_neither() {
     let memory = |records, written, erasing, lost| {
@@ -32,12 +32,13 @@ fn a_memory_is_full_or_erased_or_neither() {
     }
 }
 
-/// An entry with so many values.
+/// An entry with this many values.
 fn entry_of(values: usize) -> Request {
     Request::Append(Entry { time: 1, values: (0..values as u16).map(|what| (what, 7)).collect() })
 }
 
-/// What a full log, or one that is being erased, is asked to keep is refused, however long: not a byte of the flash changes, nor what is known of it.
+/// A full log, or one that is being erased, refuses an entry of any length: not a byte of the flash changes,
+/// nor the knowledge about it.
 #[test]
 fn a_log_that_takes_nothing_stays_as_it_is() {
     let mut full = filled(0, 121 * 16);
@@ -67,7 +68,7 @@ fn only_a_longer_record_is_noted() {
     }
 }
 
-/// A log that begins where there is none is not read. It can be erased.
+/// A beginning outside of the log is not used: the log is not read, but it can be erased.
 #[test]
 fn a_beginning_outside_of_the_log_is_none() {
     let layout = Layout::of(512 << 10, 4096).unwrap();
@@ -84,7 +85,7 @@ fn a_beginning_outside_of_the_log_is_none() {
     }
 }
 
-/// A sector at most in one step, and the memory tells how far it is.
+/// One step erases a sector at most, and the memory reports the progress.
 #[test]
 fn an_erase_goes_by_sectors() {
     let mut chip = blank(MBIT_256);
@@ -112,7 +113,8 @@ fn an_erase_goes_by_sectors() {
     assert!(ask(&mut storage, Request::Erase).1.is_erased());
 }
 
-/// An erase that the flash does not take is over, and fault 30 says why; when the flash is back, it can be asked for again.
+/// An erase that the flash does not accept ends with fault 30; when the flash is back, it can be requested
+/// again.
 #[test]
 fn an_erase_that_fails_is_fault_30() {
     let mut device = device();

@@ -1,4 +1,4 @@
-//! Between a node and its storage, in a loop that polls.
+//! Tests of the mailbox between a node and its storage, in a loop that polls.
 
 use crate::support::{Chip, now, set, small};
 use core::pin::pin;
@@ -7,7 +7,7 @@ use narx_core::storage::{CodeFlash, Mailbox, Part, Report, Request, Storage};
 use narx_sim::flash::Sparse;
 use narx_sim::internal_flash::InternalFlash;
 
-/// Several passes of a background loop in which a storage has its turn.
+/// Runs several passes of a background loop in which a storage is served.
 fn serve(mailbox: &Mailbox, storage: &mut Storage<Chip>) {
     let mut serving = pin!(mailbox.serve(storage));
     for _ in 0..3 {
@@ -35,7 +35,7 @@ fn a_request_gets_its_report_once() {
     assert_eq!(opened.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
 }
 
-/// Where nothing waits a request goes on by a step in every pass.
+/// A storage without waiting goes on by one step of a request in every pass.
 #[test]
 fn the_codes_own_flash_is_served_in_steps() {
     let mailbox = Mailbox::new();

@@ -1,4 +1,4 @@
-//! The flash: parameters that survive every power cut, and the log.
+//! Tests of the flash: parameters that survive every power cut, and the log.
 
 mod bench;
 mod bulk;

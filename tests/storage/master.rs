@@ -1,4 +1,4 @@
-//! The master's downloads from the real drive over the bench's bus, with frames lost on their way.
+//! Tests of the master's downloads from the real drive over the bench's bus, with frames lost on the way.
 
 use crate::bench::config;
 use crate::support::now;
@@ -17,16 +17,16 @@ use std::collections::BTreeSet;
 struct Rig {
     bench: Bench,
     master: Master,
-    /// Data frames of downloads that have left the drive.
+    /// Number of data frames of downloads that have left the drive.
     data: usize,
-    /// Those of them that get lost, by their number.
+    /// Numbers of the data frames that are lost.
     lost: BTreeSet<usize>,
-    /// What has been got of the download.
+    /// Words of the download that were received.
     words: Vec<Option<u16>>,
     /// Values that were written to parameters 67 and 68.
     ranges: Vec<(u16, i32)>,
     reader: DescriptionReader,
-    /// Parameters that the reader has told.
+    /// Number of parameters that the reader has returned.
     described: usize,
 }
 
@@ -92,7 +92,7 @@ impl Rig {
         assert_eq!(self.ask(Request::Write { number, raw }), Ok(raw));
     }
 
-    /// The words of a download, asked for now.
+    /// Downloads now; returns the words.
     fn download(&mut self, what: Download) -> Result<Vec<u16>, DownloadError> {
         (self.data, self.words) = (0, Vec::new());
         self.ranges.clear();
@@ -124,7 +124,7 @@ impl Rig {
         panic!("a download ends within a minute");
     }
 
-    /// Logs three signals for some time, then no more; how many records there are.
+    /// Logs three signals for some time, then stops; returns the number of records.
     fn log(&mut self, milliseconds: u64) -> u32 {
         self.set(number::LOG_PERIOD, 5);
         for (number, slot) in [(29, 0x2000 + 202 * 4), (30, 0x3_2000 + 203 * 4), (31, 111)] {
@@ -175,7 +175,7 @@ fn what_is_lost_of_the_description_comes_once_more() {
     assert_eq!((error.byte, error.reason), (0, Reason::Gap), "what is read as it comes has to begin anew");
 }
 
-/// What a flash holds, asked of itself.
+/// Content of a flash, read directly.
 fn on_the_flash(bench: Bench, records: std::ops::Range<u32>) -> Vec<u8> {
     let mut storage = Storage::new(bench.into_flash());
     let Report::Opened(_) = now(storage.execute(storage::Request::Open)) else { panic!("opened") };
@@ -225,7 +225,7 @@ fn the_log_ends_where_it_was_written() {
     assert_eq!(refusal.status, ParameterStatus::OutOfRange);
 }
 
-/// Records of which a bit has fallen on the flash come as zeros, and the rest as it is.
+/// Records with a fallen bit on the flash are sent as zeros, and the rest unchanged.
 #[test]
 fn a_record_that_is_spoiled_on_the_flash_is_told_by_zeros() {
     let mut rig = Rig::new();
@@ -261,7 +261,8 @@ fn an_abort_ends_both_kinds() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Whatever is lost, what comes in the end is what stands on the flash. Only a range that has been asked for three times in vain is given up.
+    /// With any losses the received records are those on the flash in the end. A range fails only after three
+    /// requests in vain.
     #[test]
     fn a_lossy_line_costs_time_and_no_record(lost in prop::collection::btree_set(0..900_usize, 0..60)) {
         let mut rig = Rig::new();

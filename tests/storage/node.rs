@@ -1,4 +1,4 @@
-//! The drive and its flash, as the master sees them.
+//! Tests of the drive and its flash, as the master sees them.
 
 use crate::device::Device;
 use crate::support::{blank, set, small};
@@ -14,12 +14,12 @@ pub(crate) fn device() -> Device {
     Device::booted(small(&Parameters::new()))
 }
 
-/// A slot: word `word` of the frame with this opcode; 0 live, 1 smallest, 2 largest, 3 mean.
+/// Value of a slot: word `word` of the frame with this opcode; 0 live, 1 smallest, 2 largest, 3 mean.
 pub(crate) fn signal(opcode: i32, word: i32, keep: i32) -> i32 {
     (0x2000 + opcode * 4 + word) | keep << 16
 }
 
-/// Device number and category 02 are kept by 257 alone; 256 answers when it is done.
+/// Device number and category 02 are stored by 257 alone; 256 is answered when it is done.
 #[test]
 fn what_is_stored_is_there_after_a_reboot_and_what_is_not_is_gone() {
     let mut device = device();
@@ -43,13 +43,13 @@ fn the_answer_comes_when_it_is_stored_and_not_before() {
     let mut device = device();
     device.hold = true;
     assert_eq!(device.command(number::STORE), None);
-    // Who asks once more shares the answer; another store meanwhile is refused.
+    // A repeated request shares the answer; another store meanwhile is refused.
     assert_eq!(device.write(number::STORE, 1), None);
     assert_eq!(device.command(number::STORE_ONCE), Some(Storage));
     device.received.clear();
     device.hold = false;
     assert_eq!(device.answer(number::STORE), Some((1, Done)));
-    // A 1 over a 1 is no edge: it is answered at once, and nothing is stored.
+    // A 1 after a 1 is no edge: it is answered at once, and nothing is stored.
     let programs = device.storage.flash().counts().programs;
     assert_eq!(device.write(number::STORE, 1), Some((1, Done)));
     assert_eq!(device.storage.flash().counts().programs, programs);
@@ -83,7 +83,7 @@ fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written()
     device.run(1000);
     device.request(MotorMode::Standby);
     device.run(10);
-    // From the command on, before the flash has even been asked.
+    // From the command on, before the flash has got a request.
     device.hold = true;
     device.send(ToDrive::SetParameter { number: number::STORE, value: 0 });
     device.send(ToDrive::SetParameter { number: number::STORE, value: 1 });
@@ -100,7 +100,8 @@ fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written()
     assert_eq!(device.state(), State::HallClosedLoop);
 }
 
-/// A flash that the code runs from is written at rest: a write while the motor turns is stored when it has stopped.
+/// If the code runs from the same flash, that is written at rest: a value that is written while the motor
+/// turns is stored when it has stopped.
 #[test]
 fn where_code_and_parameters_share_a_flash_what_waits_to_be_stored_waits_for_the_motor() {
     for restore in [false, true] {
@@ -131,7 +132,7 @@ fn where_code_and_parameters_share_a_flash_what_waits_to_be_stored_waits_for_the
     }
 }
 
-/// Faults of the store keep the drive in Fault from boot on, and storing cures them: no reboot.
+/// Faults of the store keep the drive in Fault from boot on, and storing cures them without a reboot.
 #[test]
 fn fault_26_is_cured_by_storing() {
     let mut device = Device::booted(blank(KBYTE_512));
@@ -202,7 +203,7 @@ fn fault_31_is_cured_by_storing_or_restoring() {
     crate::store::spoil(&mut chip);
     for cure in 0..3 {
         let mut device = Device::new(chip.clone());
-        // Addresses of the test's set are others.
+        // The test's set has other addresses.
         device.node = {
             let mut parameters = device.node.parameters().clone();
             parameters.set(number::SLAVE_CAN_ADDRESS, 170).unwrap();
@@ -220,7 +221,7 @@ fn fault_31_is_cured_by_storing_or_restoring() {
         match cure {
             0 => device.send(ToDrive::RestoreFactory { serial: 100 }),
             1 => assert_eq!(device.command(number::STORE), Some(Done)),
-            // What did not fit is in the other part.
+            // The value that did not fit is in the other part.
             _ => assert_eq!(device.command(number::STORE_ONCE), Some(Done)),
         }
         device.run(10);
@@ -263,7 +264,7 @@ fn records_are_written_in_their_period_and_downloaded() {
     }
     let expected: Vec<u16> = (0..counters.len()).map(|place| (place * 3) as u16).collect();
     assert_eq!(counters, expected);
-    // Records are words of the protocol: start marker, and the end marker last.
+    // Records are words of the protocol: first the start marker, last the end marker.
     let bytes = records[0].bytes();
     assert_eq!((bytes.len(), &bytes[..2], &bytes[34..]), (36, &[0xAA, 0x55][..], &[0x55, 0xAA][..]));
 }
@@ -278,7 +279,7 @@ fn smallest_largest_and_mean_are_of_the_whole_period() {
     }
     device.set(number::LOG_PERIOD, 10);
     let start = device.get(number::LOG_WRITE_INDEX);
-    // The tick is left out: reports by hand, one a millisecond.
+    // The tick is left out: reports are made by hand, one per millisecond.
     let mut now = device.now;
     for milliseconds in 0..45 {
         let volts = [30, 10, 20, 60, 25, 25, 25, 25, 25, 35][milliseconds % 10];
@@ -347,7 +348,7 @@ fn a_range_past_the_end_is_refused_and_one_within_can_be_resumed_and_aborted() {
         assert_eq!(device.command(number::LOG_READ_REQUEST), Some(status), "{start} {count}");
         device.run(50);
     }
-    // Aborted in the middle; frames stop, and the rest comes when asked for.
+    // Aborted in the middle: frames stop, and the rest comes on request.
     device.download_rate = 1;
     device.set(number::LOG_READ_START, 0);
     device.set(number::LOG_READ_COUNT, written);
@@ -384,7 +385,7 @@ fn a_download_waits_for_everything_else() {
     assert!(matches!(FromDrive::decode(&frame), Ok((_, FromDrive::LogData { counter: 0, .. }))));
 }
 
-/// Each state of Table 8 in a status word on the bus, with the bits beside it.
+/// Each state of Table 8 occurs in a status word on the bus, with the bits beside it.
 #[test]
 fn every_logging_state_and_bit_is_seen() {
     let mut device = Device::new(small(&Parameters::new()));
@@ -407,7 +408,7 @@ fn every_logging_state_and_bit_is_seen() {
     device.set(29, 0xFFFF);
     assert_eq!(seen(&mut device), (1, false, false, true, true));
 
-    // A store under way keeps the download waiting.
+    // A store under way delays the download.
     device.hold = true;
     assert_eq!(device.command(number::STORE), None);
     assert_eq!(device.command(number::LOG_READ_REQUEST), Some(Done));
@@ -432,7 +433,7 @@ fn every_logging_state_and_bit_is_seen() {
     assert_eq!(seen(&mut device), (1, false, true, false, true));
 }
 
-/// Between two records of a download, while the flash stores parameters: LOG_SEND_READ_REQ.
+/// Between two records of a download, while the flash stores parameters, the state is LOG_SEND_READ_REQ.
 #[test]
 fn the_state_before_a_read_is_seen_while_the_flash_is_busy() {
     let mut device = logging();

@@ -1,4 +1,4 @@
-//! The parameter store: what comes back, what the faults are, and how they are cured.
+//! Tests of the parameter store: the values that come back, its faults, and their cure.
 
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store};
 use core::ops::Range;
@@ -19,7 +19,7 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
         ([0xEF, 0x40, 0x19], Some(32 << 20)),
         ([0xFF, 0xFF, 0xFF], None),
         ([0, 0, 0], None),
-        // Of a line that hangs, the last byte may look like a size.
+        // With a line that hangs, the last byte may look like a size.
         ([0xFF, 0xBA, 0x19], None),
         ([0, 0xBA, 0x19], None),
         ([0x20, 0xBA, 0x0F], None),
@@ -61,7 +61,7 @@ fn both_parts_come_back_on_every_size() {
         assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false));
         assert_eq!(opened.parameters, set(1));
         assert!(opened.log.is_erased());
-        // Each part is stored by itself.
+        // Each part is stored separately.
         let mut storage = Storage::new(chip);
         open(&mut storage);
         assert!(store(&mut storage, &set(2), Part::Set));
@@ -105,7 +105,8 @@ fn a_flash_without_our_layout_is_fault_26_untouched_and_cured_by_storing() {
     }
 }
 
-/// Name and version of the layout, size of the flash, and a check of them: firmware that looked for anything else would find nothing on the flash of a drive in the field.
+/// The labels have the name and version of the layout, the size of the flash, and their check value: firmware
+/// that expected anything else would find nothing on the flash of a drive in the field.
 #[test]
 fn labels_are_those_of_the_drives_in_the_field() {
     let mut chip = small(&set(1));
@@ -118,7 +119,8 @@ fn labels_are_those_of_the_drives_in_the_field() {
     }
 }
 
-/// Neither copy of a part can be read: the drive says so, keeps the other part, and the next storing of either part writes both.
+/// If neither copy of a part can be read, the drive reports it and keeps the other part, and the next store
+/// of either part writes both.
 #[test]
 fn a_part_that_is_lost_is_fault_26() {
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
@@ -168,7 +170,7 @@ fn a_flash_that_fails_while_storing_says_so() {
 #[test]
 fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     let mut chip = small(&set(1));
-    // Taken from the flash, changed by hand, and put back with its checks made anew.
+    // Taken from the flash, changed by hand, and put back with new check values.
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     let cases: [(&str, Change, FaultWord, i32); 4] = [
         (
@@ -192,7 +194,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
             (faults, rate),
             "{what}"
         );
-        // Storing what the drive now has cures it.
+        // Storing the drive's present set cures the fault.
         let mut storage = Storage::new(after);
         open(&mut storage);
         assert!(store(&mut storage, &opened.parameters, Part::Set));
@@ -202,7 +204,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     chip.restore_power();
 }
 
-/// Of newer firmware's numbers 8 are passed over; a set with more finds no room and counts as damaged.
+/// Up to 8 unknown numbers of newer firmware are ignored; a set with more does not fit and counts as damaged.
 #[test]
 fn a_set_may_have_eight_numbers_more() {
     let stored = Dictionary::rows().filter(|row| Part::Set.contains(row) || Part::Once.contains(row)).count();
@@ -224,7 +226,7 @@ fn a_set_may_have_eight_numbers_more() {
     }
 }
 
-/// What is done to an item.
+/// Change of an item.
 pub(crate) type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
 
 fn patch(body: &mut [u8], number: u16, raw: i32) {
@@ -232,7 +234,7 @@ fn patch(body: &mut [u8], number: u16, raw: i32) {
     pair[2..].copy_from_slice(&raw.to_be_bytes());
 }
 
-/// Makes the speed rate of the stored set a value that it cannot have any more.
+/// Changes the speed rate of the stored set to a value that is no longer allowed.
 pub(crate) fn spoil(chip: &mut Chip) {
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     for map in [&layout.primary.map, &layout.mirror.map] {
@@ -240,7 +242,8 @@ pub(crate) fn spoil(chip: &mut Chip) {
     }
 }
 
-/// Changes the body of the items of a key in one map, all of which stand in its first page, and makes their checks anew.
+/// Changes the body of the items of a key in one map, all of which are in its first page, and updates their
+/// check values.
 pub(crate) fn rewrite(chip: &mut Chip, map: Range<u32>, key: u8, change: Change) {
     let mut page = vec![0; 8];
     now(chip.read(map.start, &mut page)).unwrap();
@@ -261,15 +264,16 @@ pub(crate) fn rewrite(chip: &mut Chip, map: Range<u32>, key: u8, change: Change)
     now(chip.write(map.start, &page)).unwrap();
 }
 
-/// A bit of every item of that key in one map falls over.
+/// Flips a bit of every item of that key in one map.
 pub(crate) fn lose(chip: &mut Chip, map: Range<u32>, key: u8) {
     for (_, at, _) in items(chip, &map).into_iter().filter(|(of, ..)| *of == key) {
         chip.flip(at, 0);
     }
 }
 
-/// The items of a map's first page: key, where the content stands, and the content, which is a count and a body. Before it stand key and length, and these inverted; behind it CRC-32 over key
-/// and content, and ones up to a multiple of 8. The page begins with its number.
+/// Items of a map's first page: key, position of the content, and the content, which is a count and a body.
+/// Before it are key and length, and their complements; after it CRC-32 over key and content, and ones up to
+/// a multiple of 8. The page begins with its number.
 pub(crate) fn items(chip: &mut Chip, map: &Range<u32>) -> Vec<(u8, u32, Vec<u8>)> {
     let mut page = vec![0; SUBSECTOR as usize];
     now(chip.read(map.start, &mut page)).unwrap();
@@ -301,7 +305,8 @@ fn wear_is_even_and_bounded() {
     assert_eq!(boot(storage.flash()).0.parameters.value(number::SPEED_RATE).unwrap(), 999 + STORES as i32);
 }
 
-/// Two MByte: the mirror ends where the flash ends. A page there that something is wrong with is searched to its last byte, and no further.
+/// On a flash of two MByte the mirror ends where the flash ends. A damaged page there is searched to its last
+/// byte, and no further.
 #[test]
 fn the_last_page_of_the_flash_is_searched_to_its_end() {
     const MBYTE_2: [u8; 3] = [0x20, 0xBA, 0x15];

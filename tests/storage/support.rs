@@ -1,4 +1,5 @@
-//! Chips, drives' storages on them, and futures that never wait: simulated flash answers at once and says how long it took.
+//! Chips, drives' storages on them, and futures that never wait: the simulated flash answers at once and
+//! reports the time that it took.
 
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
@@ -8,7 +9,7 @@ use narx_sim::flash::{Flash, KBYTE_512, Sparse};
 
 pub(crate) type Chip = Flash<Sparse>;
 
-/// What a future answers that never waits.
+/// Result of a future that never waits.
 pub(crate) fn now<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(answer) => answer,
@@ -20,7 +21,7 @@ pub(crate) fn blank(identification: [u8; 3]) -> Chip {
     Flash::new(identification, Sparse::new(), 1)
 }
 
-/// Parameters of which both parts differ from the factory's, and from those of another `variant`.
+/// Parameters whose two parts differ from the factory's, and from those of another `variant`.
 pub(crate) fn set(variant: i32) -> Parameters {
     let mut parameters = Parameters::new();
     for (number, raw) in [
@@ -49,19 +50,19 @@ pub(crate) fn store(storage: &mut Storage<Chip>, parameters: &Parameters, part: 
     }
 }
 
-/// A drive's flash with a set on it.
+/// A drive's flash with a stored set.
 pub(crate) fn formatted(identification: [u8; 3], parameters: &Parameters) -> Chip {
     let mut storage = Storage::new(blank(identification));
     assert!(now(storage.format(parameters)));
     storage.into_flash()
 }
 
-/// The smallest of drives: every byte of its flash can be looked at.
+/// The smallest drive: every byte of its flash can be checked.
 pub(crate) fn small(parameters: &Parameters) -> Chip {
     formatted(KBYTE_512, parameters)
 }
 
-/// What a drive finds at power-up.
+/// State that a drive finds at power-up.
 pub(crate) fn boot(chip: &Chip) -> (Opened, Chip) {
     let mut storage = Storage::new(chip.clone());
     storage.flash().restore_power();

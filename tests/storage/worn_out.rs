@@ -1,4 +1,5 @@
-//! A flash that does not keep what is written, and says that all went well: everything is read back, and what does not come out right goes elsewhere.
+//! Tests of a flash that does not keep written data but reports success: everything is read back, and data
+//! that are not kept are written elsewhere.
 
 use crate::code_flash;
 use crate::log::{append, ask, erase, filled, values};
@@ -16,7 +17,7 @@ use narx_sim::flash::{KBYTE_512, MBIT_256, Tear};
 const SUBSECTOR: u32 = 4096;
 const END: u32 = 512 << 10;
 
-/// What becomes of a program that begins in the place.
+/// Result of a program that begins in the worn-out place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     /// All bits stay 1.
@@ -25,7 +26,7 @@ enum Fate {
     Half,
 }
 
-/// A chip with a place that does not keep the next so many programs.
+/// A chip with a place that does not keep the next `times` programs.
 #[derive(Clone, Debug)]
 struct WornOut<C> {
     chip: C,
@@ -35,12 +36,12 @@ struct WornOut<C> {
 }
 
 impl<C> WornOut<C> {
-    /// A place that takes nothing any more.
+    /// A chip with a place that never keeps anything.
     fn new(chip: C, place: Range<u32>) -> Self {
         Self { chip, place, fate: Fate::Blank, times: u32::MAX }
     }
 
-    /// What is kept of a program.
+    /// Part of a program that is kept.
     fn kept<'b>(&mut self, offset: u32, bytes: &'b [u8]) -> &'b [u8] {
         if !self.place.contains(&offset) || self.times == 0 {
             return bytes;
@@ -133,7 +134,7 @@ fn a_page_that_takes_nothing_any_more_is_passed_over() {
     }
 }
 
-/// No page of a map takes anything: the drive says so, and what was stored before is there.
+/// If no page of a map keeps anything, the drive reports it, and the earlier set is there.
 #[test]
 fn a_map_that_takes_nothing_any_more_is_told() {
     let layout = Layout::of(END, SUBSECTOR).unwrap();
@@ -151,7 +152,8 @@ fn a_map_that_takes_nothing_any_more_is_told() {
     }
 }
 
-/// A record that is not there whole when it is read back is written once more: into the same page if that stayed blank, for a blank page would be the log's end, and else into the next one.
+/// A record that is read back incomplete is written again: into the same page if that stayed blank, because a
+/// blank page would be the log's end, else into the next one.
 #[test]
 fn a_record_that_is_not_kept_is_written_again() {
     for (fate, times, index) in [
@@ -181,7 +183,7 @@ fn a_record_that_is_not_kept_is_written_again() {
     }
 }
 
-/// An item that is cut off does not hide the one before it, even where the other map is gone.
+/// An item that is cut off does not hide the one before it, even if the other map is lost.
 #[test]
 fn one_map_alone_survives_every_cut() {
     let layout = Layout::of(END, SUBSECTOR).unwrap();
@@ -216,7 +218,8 @@ fn content(chip: &mut Chip, map: &Range<u32>) -> Vec<u8> {
     bytes
 }
 
-/// An item of one map is lost: that one is written again, behind the others, and nothing is written into the other map, which is whole.
+/// If an item of one map is lost, that item is written again, behind the others, and nothing is written into
+/// the other map, which is valid.
 #[test]
 fn mending_writes_what_is_lost_and_no_more() {
     let layout = Layout::of(END, SUBSECTOR).unwrap();
@@ -238,7 +241,8 @@ fn mending_writes_what_is_lost_and_no_more() {
     }
 }
 
-/// Where the log begins is lost, or an erase was cut off: no record is told of, whatever stands there.
+/// If the beginning of the log is lost, or an erase was cut off, no record is reported, whatever the flash
+/// holds.
 #[test]
 fn a_log_without_a_beginning_has_no_records() {
     let layout = Layout::of(END, SUBSECTOR).unwrap();
@@ -254,7 +258,8 @@ fn a_log_without_a_beginning_has_no_records() {
     }
 }
 
-/// Two sectors of a log are erased where it has written: of the second one only the subsectors in use.
+/// Of two sectors of a log only the parts in use are erased: of the second sector only the subsectors that
+/// have records.
 #[test]
 fn an_erase_spares_what_is_blank() {
     let mut storage = filled(0, 17 * 16);
@@ -264,7 +269,7 @@ fn an_erase_spares_what_is_blank() {
     assert!(append(&mut storage, 1));
 }
 
-/// The next page of the flash that the code runs from takes nothing, either: the one behind it does.
+/// If the next page of the flash that the code runs from keeps nothing, either, the one after it is used.
 #[test]
 fn parameters_beside_the_code_move_past_a_page_that_takes_nothing() {
     let stores = code_flash::until_full();

@@ -1,4 +1,5 @@
-//! A release of the C library: header, static libraries, CMake package, examples and texts in one folder and one file.
+//! A release of the C library: header, static libraries, CMake package, examples and texts in one folder and
+//! one file.
 //!
 //! ```text
 //!  narx-VERSION/   include/narx.h
@@ -17,15 +18,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// This machine's target, as Rust calls it.
+/// This machine's target triple, as Rust names it.
 const HOST: &str = "x86_64-unknown-linux-gnu";
 
-/// `cargo xtask archive`.
+/// Runs `cargo xtask archive`.
 pub fn command(root: &Path) -> ExitCode {
     steps::finish(pack(root))
 }
 
-/// Builds the libraries, lays the release out and packs it: the closing line.
+/// Builds the libraries, lays the release out and packs it; returns the closing line.
 fn pack(root: &Path) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     library::ALL.iter().try_for_each(|processor| NARX.build(root, *processor).map(drop))?;
@@ -33,7 +34,7 @@ fn pack(root: &Path) -> Outcome {
     let name = name();
     let file = target_directory(root).join(format!("{name}.tar.gz"));
     let mut tar = Command::new("tar");
-    // The same files give the same archive.
+    // Equal files give equal archives.
     tar.args(["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0", "-czf"]);
     tar.arg(&file).arg("-C").arg(folder.parent().unwrap_or(root)).arg(&name);
     steps::run(&mut tar)?;
@@ -41,13 +42,13 @@ fn pack(root: &Path) -> Outcome {
     Ok(vec![format!("{}: {} KB", file.display(), bytes / 1024)])
 }
 
-/// Lays the release out, from libraries that are built, and says where.
+/// Lays the release out from libraries that are built; returns its folder.
 ///
 /// # Errors
-/// What cannot be written.
+/// Fails with the name of a file that cannot be written.
 pub fn lay_out(root: &Path) -> Result<PathBuf, String> {
     let folder = target_directory(root).join(name());
-    // What an earlier version had must not stay.
+    // Files of an earlier version must not stay.
     let _ = fs::remove_dir_all(&folder);
     let package = folder.join("lib/cmake/narx");
     copy(&root.join("ffi/include/narx.h"), &folder.join("include/narx.h"))?;
@@ -56,7 +57,7 @@ pub fn lay_out(root: &Path) -> Result<PathBuf, String> {
             processor.map_or((HOST, "strip"), |processor| (processor.target(), cross::STRIP));
         let file = folder.join("lib").join(target).join("libnarx.a");
         copy(&NARX.path(root, processor), &file)?;
-        // Where the sources stood, and nothing that a user could look at.
+        // Debug information holds the folders of the sources and is of no use to a user.
         steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
     }
     copy(&root.join("ffi/cmake/narxConfig.cmake"), &package.join("narxConfig.cmake"))?;

@@ -1,10 +1,10 @@
-//! What comes from outside: licences, sources and bans of every crate.
+//! Audit of everything from outside: licences, sources and bans of every crate.
 
 use crate::{install, steps};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// The version whose verdict this is.
+/// Version of cargo-deny that gives the verdict.
 const CARGO_DENY: &str = "0.20.2";
 
 /// Checks every crate of `Cargo.lock` against `deny.toml`.

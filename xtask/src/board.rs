@@ -1,4 +1,5 @@
-//! The images of the board B-G431B-ESC1: built, measured against the memory that they have, and looked through for places that can panic.
+//! Images of the board B-G431B-ESC1: built, measured against the memory that they have, and searched for
+//! places that can panic.
 
 use crate::cross;
 use crate::driven::output;
@@ -14,7 +15,7 @@ use std::{env, fs};
 
 /// Package of the board's images.
 pub const PACKAGE: &str = "narx-b-g431b-esc1";
-/// Profile that they are built with.
+/// Profile with which they are built.
 pub const PROFILE: &str = "board";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
@@ -29,11 +30,13 @@ const HEAD: &str = "\
 #
 # Made anew by `cargo xtask firmware --board b-g431b-esc1 --golden`, compared within 1 % (panics exactly) by `cargo xtask test firmware`.
 ";
-/// A figure may differ by this much: compilers of other hosts, and the key.
+/// Largest difference from the golden figure, as a share of it: compilers of other hosts and other keys give
+/// slightly different sizes.
 const TOLERANCE: f64 = 0.01;
 /// Header of a signed image, bytes (`narx_boot::HEADER_LENGTH`).
 const HEADER: u32 = 512;
-/// The stack shares 32 KiB of RAM with what stands in it; more than this leaves it too little.
+/// Largest part of the RAM for variables. The stack shares the 32 KiB with them, and would have too little
+/// beside more.
 const RAM_ROOM: u32 = 24 << 10;
 
 /// An image and the flash that it has.
@@ -47,11 +50,11 @@ const IMAGES: [Image; 4] = [
     Image { name: "drive", before: 0, room: 120 << 10 },
     Image { name: "application", before: HEADER, room: 50 << 10 },
     Image { name: "boot", before: 0, room: 16 << 10 },
-    // The goal of what is not the core's.
+    // Goal for everything outside the core.
     Image { name: "bare", before: 0, room: 10 << 10 },
 ];
 
-/// A way to fill the flash.
+/// A way to divide the flash among images.
 struct Layout {
     what: &'static str,
     /// Features of the package that its images are built with.
@@ -68,7 +71,7 @@ const LAYOUTS: [Layout; 2] = [
     Layout { what: "the application alone, programmed by a debugger", features: "alone", images: &["drive"] },
 ];
 
-/// What was measured.
+/// Measured figures of an image.
 struct Measured {
     flash: u32,
     ram: u32,
@@ -81,12 +84,13 @@ impl Measured {
     }
 }
 
-/// Where an image is left.
+/// Path of a built image.
 pub fn path(root: &Path, image: &str) -> PathBuf {
     target_directory(root).join(EMBEDDED).join(PROFILE).join(image)
 }
 
-/// Builds and measures, and says which layouts fit; with `golden` the golden file is written, else it is a failure if none does.
+/// Builds and measures the images, and prints which layouts fit. With `golden` it writes the golden file;
+/// else it fails if no layout fits.
 pub fn command(root: &Path, golden: bool) -> ExitCode {
     let done = build(root).and_then(|_| measure(root)).and_then(|measured| {
         measured.iter().for_each(|(name, figures)| println!("{}", line(name, figures)));
@@ -105,7 +109,7 @@ pub fn command(root: &Path, golden: bool) -> ExitCode {
     steps::finish(done)
 }
 
-/// The images of a layout that do not fit, with what they have and what there is.
+/// Images of a layout that do not fit, each with its size and the room that there is.
 fn short(layout: &Layout, measured: &[(&str, Measured)]) -> Vec<String> {
     let images = measured.iter().filter(|(name, figures)| layout.images.contains(name) && !figures.fits());
     let shown = |(name, Measured { flash, ram, room }): &(&str, Measured)| {
@@ -114,10 +118,11 @@ fn short(layout: &Layout, measured: &[(&str, Measured)]) -> Vec<String> {
     images.map(shown).collect()
 }
 
-/// Builds all images. The bootloader takes those of the key that the environment names, else of the one for tests.
+/// Builds all images. The bootloader accepts images of the key that the environment names, else those of the
+/// test key.
 ///
 /// # Errors
-/// What rustup or cargo said.
+/// Fails with the message of rustup or cargo.
 pub fn build(root: &Path) -> Outcome {
     install::rust_target(EMBEDDED)?;
     let key = if env::var_os("NARX_UPDATE_KEY").is_none() {
@@ -159,10 +164,10 @@ fn line(name: &str, figures: &Measured) -> String {
     )
 }
 
-/// Measures images that are built, and writes the golden file or with `check` compares it.
+/// Measures images that are built, and writes the golden file or, with `check`, compares it.
 ///
 /// # Errors
-/// A figure is not the golden one.
+/// Fails if a figure differs from the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let measured = measure(root)?;
     let panics = panics(root)?;
@@ -192,7 +197,7 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if wrong.is_empty() { Ok(closing) } else { Err(wrong.join("\n")) }
 }
 
-/// What differs from the golden file.
+/// Differences from the golden file.
 fn misses(golden: &str, now: &str) -> Vec<String> {
     let parse = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
     let (golden, now) = (parse(golden), parse(now));
@@ -225,7 +230,8 @@ fn misses(golden: &str, now: &str) -> Vec<String> {
     wrong
 }
 
-/// Calls of what ends in the panic handler, by the file and function of ours, or of a library, that they were written in.
+/// Counts the calls of functions that end in the panic handler, by the file and function of ours, or of a
+/// library, in which they were written.
 fn panics(root: &Path) -> Result<BTreeMap<String, usize>, String> {
     install::debian(&cross::PACKAGES)?;
     let mut all = BTreeMap::new();
@@ -249,7 +255,7 @@ fn panics_of(root: &Path, image: &Path) -> Result<BTreeMap<String, usize>, Strin
     let frames = output(
         Command::new("arm-none-eabi-addr2line").args(["-a", "-f", "-i", "-C", "-e"]).arg(image).args(calls),
     )?;
-    // An address, and then function and place of each frame, innermost first.
+    // Each block is an address, and then function and place of each frame, innermost first.
     for frames in frames.split("0x").skip(1) {
         let lines: Vec<&str> = frames.lines().skip(1).collect();
         let ours = lines.chunks_exact(2).find(|frame| !is_of_the_language(frame[1]));
@@ -259,7 +265,8 @@ fn panics_of(root: &Path, image: &Path) -> Result<BTreeMap<String, usize>, Strin
     Ok(table)
 }
 
-/// The address of a call of a function that panics. What such functions call themselves is counted with them.
+/// Address of an instruction that calls a panicking function. Calls inside such functions do not count by
+/// themselves.
 fn call_of_panic(line: &str) -> Option<&str> {
     let (address, instruction) = line.trim_start().split_once(':')?;
     let mut words = instruction.split_whitespace();
@@ -279,7 +286,8 @@ fn is_of_the_language(place: &str) -> bool {
     place.contains("/rustc/") || place.contains("/library/") || place.starts_with("??")
 }
 
-/// File and function, without lines, which move, and without the folders of this machine.
+/// File and function. Line numbers are left out because they move, and the folders of this machine because
+/// they differ.
 fn named(root: &Path, function: &str, place: &str) -> String {
     let file = place.split(':').next().unwrap_or(place);
     let registry = file.split_once("/registry/src/").and_then(|(_, rest)| rest.split_once('/'));
@@ -288,9 +296,9 @@ fn named(root: &Path, function: &str, place: &str) -> String {
         (Some((_, path)), _) => path,
         (None, path) => path.unwrap_or(file),
     };
-    // Types in the names differ in how they are written.
+    // Compilers write the types in names differently.
     let function = function.split('<').next().unwrap_or(function);
-    // What the compiler has outlined is numbered, and numbers move.
+    // Functions that the compiler has outlined are numbered, and the numbers move.
     let function = if function.starts_with("OUTLINED_FUNCTION") { "outlined" } else { function };
     format!("{file} {function}").trim_end().to_owned()
 }

@@ -11,48 +11,49 @@ use std::{fs, io};
 /// Arguments of `branches`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Where branches.json goes
+    /// Folder for branches.json
     #[arg(long, default_value = "docs/evidence")]
     out: PathBuf,
 }
 
-/// What measures.
+/// Program that measures.
 const PROGRAM: &str = "cargo-llvm-cov";
-/// The version whose figures these are.
+/// Version of it for which the figures hold.
 const VERSION: &str = "0.9.1";
-/// Whose tests run.
+/// Packages whose tests run.
 const PACKAGES: [&str; 2] = ["narx-tests", "narx-boot"];
-/// What is looked at.
+/// Folder whose branches count.
 const CORE: &str = "core/src";
 
 /// The branches of one file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct File {
-    /// Ways out of its conditions: two each.
+    /// Outcomes of its conditions: two each.
     pub branches: u64,
-    /// Of these, taken.
+    /// Outcomes that a test takes.
     pub covered: u64,
 }
 
 impl File {
-    /// Not taken.
+    /// Outcomes that no test takes.
     pub const fn missed(self) -> u64 {
         self.branches - self.covered
     }
 }
 
-/// Every file of the core.
+/// Branches of every file of the core.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Branches {
-    /// What measures again.
+    /// Command that measures again.
     pub command: String,
-    /// The code that was measured.
+    /// Commit that was measured.
     pub commit: String,
-    /// By path from `core/src`.
+    /// Figures by path from `core/src`.
     pub files: BTreeMap<String, File>,
 }
 
-/// Runs the tests of the core and of the bootloader with every branch counted, and writes what they took.
+/// Runs the tests of the core and of the bootloader with every branch counted, and writes the branches that
+/// they take.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(measure(root, &root.join(&arguments.out).join("branches.json")))
 }
@@ -61,9 +62,10 @@ fn measure(root: &Path, path: &Path) -> Outcome {
     install::nightly(&["rustc", "llvm-tools"])?;
     install::cargo_program(PROGRAM, VERSION)?;
     let export = install::target_directory(root).join("branches.json");
-    // Programs of earlier code would be read with today's, and have lines that are no more.
+    // Programs of earlier code would be read with today's sources, and have lines that no longer exist.
     steps::run(&mut llvm_cov(root, &["clean", "--workspace"]))?;
-    // Whoever names packages for the report gets those alone, and the core is none of those whose tests run.
+    // A report of named packages holds those packages alone, and the core is not among those whose tests
+    // run.
     let mut tests = llvm_cov(root, &["--no-report", "--branch"]);
     tests.args(PACKAGES.iter().flat_map(|package| ["-p", package])).arg("--tests");
     steps::run(&mut tests)?;
@@ -86,14 +88,15 @@ fn measure(root: &Path, path: &Path) -> Outcome {
 fn llvm_cov(root: &Path, arguments: &[&str]) -> Command {
     let mut cargo = Command::new("cargo");
     cargo.args(["+nightly", "llvm-cov"]).args(arguments).current_dir(root);
-    // Debug information would fill the disk and says nothing here.
+    // Debug information would fill the disk and is not needed here.
     cargo.env("CARGO_PROFILE_TEST_DEBUG", "0").env("CARGO_PROFILE_DEV_DEBUG", "0");
-    // What nobody calls is told of in one unit of a crate, and of several the linker takes those alone that somebody calls.
+    // A function that is never called is reported in one codegen unit of its crate alone. Of several units
+    // the linker takes only those with a function that is called.
     cargo.env("CARGO_PROFILE_TEST_CODEGEN_UNITS", "1").env("CARGO_PROFILE_DEV_CODEGEN_UNITS", "1");
     cargo
 }
 
-/// What `llvm-cov export` tells of a file, as far as it is read.
+/// Fields of `llvm-cov export` that are read.
 #[derive(Deserialize)]
 struct Export {
     data: Vec<Data>,
@@ -107,14 +110,14 @@ struct Data {
 #[derive(Deserialize)]
 struct Told {
     filename: PathBuf,
-    /// One for each copy of the code that the compiler has made.
+    /// One condition for each copy of the code that the compiler has made.
     branches: Vec<Condition>,
 }
 
-/// Line and column, from and to; how often it was true and false; and what is of no use here.
+/// Line and column, from and to; number of times true, and false; then numbers that are not used.
 type Condition = (u32, u32, u32, u32, u64, u64, u64, u64, u64);
 
-/// A condition, and which of its ways out no copy of it has taken.
+/// A condition, and the outcomes that no copy of it has taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Gap {
     file: String,
@@ -123,8 +126,9 @@ struct Gap {
     ways: &'static str,
 }
 
-/// The files of the core, and every way out of a condition in them that was not taken. Generic code has a copy for each type that it is made for: what one of them takes is taken. The summary
-/// that comes along counts otherwise: it asks more of code with copies, and nothing of code that never ran.
+/// Returns the files of the core, and every outcome of a condition in them that was not taken. Generic code
+/// has a copy for each type that it is compiled for: an outcome that one copy takes is taken. The summary in
+/// the export counts differently: it demands more of code with copies, and nothing of code that never ran.
 fn read(text: &str, root: &Path) -> Result<(BTreeMap<String, File>, Vec<Gap>), String> {
     let export: Export = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let core = root.join(CORE);
@@ -187,7 +191,7 @@ mod tests {
         assert_eq!(files["motor/control/pi.rs"].missed(), 3);
         let gap = |line, ways| Gap { file: "motor/control/pi.rs".into(), line, column: 9, ways };
         assert_eq!(gaps, [gap(6, "false"), gap(7, "reached")]);
-        // A toolchain that counts no branches must not look like one whose branches are all taken.
+        // A toolchain that counts no branches must not look like one with all branches taken.
         assert!(read(&text(&[file("/narx/core/src/motor/control/pi.rs", &[])]), root).is_err());
         assert!(read("{}", root).is_err());
     }

@@ -9,10 +9,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Ticks that are counted.
+/// Number of ticks that are counted.
 const TICKS: u32 = 5000;
-/// Largest difference from the golden figure, as a share of it. The code is the same wherever the toolchain is, but the system's
-/// `memcpy` chooses its instructions by the processor and is about 3 % of a tick; half of that is allowed.
+/// Largest difference from the golden figure, as a share of it. The code is the same wherever the toolchain
+/// is, but the system's `memcpy` chooses its instructions by the processor and is about 3 % of a tick; half
+/// of that is allowed.
 const TOLERANCE: f64 = 0.015;
 const HEAD: &str = "\
 # Instructions on x86-64 (release profile), counted by callgrind over 5000 ticks at 3000 rpm under rated load: the program is
@@ -24,16 +25,16 @@ const HEAD: &str = "\
 # plant     motor, power stage and sensors of it
 ";
 
-/// Counts and writes the golden file, or with `check` compares it.
+/// Counts, and writes the golden file or, with `check`, compares it.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Counts everything and writes the golden file, or with `check` compares it. Where there is no valgrind and none can be
-/// installed, or on another processor than x86-64, nothing is compared, and the closing line says so.
+/// Counts everything and writes the golden file or, with `check`, compares it. If valgrind is missing and
+/// cannot be installed, or the processor is not an x86-64, nothing is compared, and the closing line says so.
 ///
 /// # Errors
-/// A figure is not the golden one.
+/// Fails if a figure differs from the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if !cfg!(target_arch = "x86_64") {
         return Ok(vec!["not compared: the golden figures are of x86-64".into()]);
@@ -55,10 +56,10 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if wrong.is_empty() { Ok(rows.iter().map(Counts::line).collect()) } else { Err(wrong.join("\n")) }
 }
 
-/// What counts.
+/// Package of the program that counts.
 pub(crate) const VALGRIND: Package = Package { name: "valgrind", provides: "valgrind" };
 
-/// Instructions a tick.
+/// Instructions of a tick.
 pub(crate) struct Counts {
     mode: &'static str,
     tick: f64,
@@ -67,7 +68,7 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Builds the program and counts.
+    /// Builds the program and counts its instructions.
     pub(crate) fn new(root: &Path, mode: &'static str) -> Result<Self, String> {
         Self::measure(&install::target_directory(root), &driven::build(root)?, mode)
     }
@@ -83,14 +84,14 @@ impl Counts {
         let tick = total(&text).ok_or("no summary in the profile")?;
         let control = calls(&text, "::drive::Drive::step");
         let plant = calls(&text, "::Plant::sample") + calls(&text, "::Plant::finish_period");
-        // A function that was inlined cannot be counted: better no figure than a wrong one.
+        // A function that was inlined cannot be counted: no figure is better than a wrong one.
         if control == 0 || plant == 0 {
             return Err("the control tick or the plant is not a function of its own in this build".into());
         }
         Ok(Self { mode, tick: each(tick), control: each(control), plant: each(plant) })
     }
 
-    /// Name and figure.
+    /// Figures with their names.
     pub(crate) fn figures(&self) -> [(&'static str, f64); 3] {
         [("tick", self.tick), ("control", self.control), ("plant", self.plant)]
     }
@@ -102,7 +103,7 @@ impl Counts {
         )
     }
 
-    /// What differs from the golden file.
+    /// Differences from the golden file.
     fn misses(&self, golden: &str) -> Vec<String> {
         let table: toml::Table = golden.parse().unwrap_or_default();
         let miss = |(name, now): (&str, f64)| {
@@ -137,8 +138,8 @@ fn total(profile: &str) -> Option<u64> {
 
 /// Instructions of all calls of the functions whose name ends with `part`, callees included.
 ///
-/// A call is three lines: `cfn=(ID) NAME`, the name only where the number is new; `calls=COUNT TARGET`; and
-/// `POSITION INSTRUCTIONS`.
+/// A call takes three lines: `cfn=(ID) NAME`, with the name only where the number is new; `calls=COUNT
+/// TARGET`; and `POSITION INSTRUCTIONS`.
 fn calls(profile: &str, part: &str) -> u64 {
     let mut wanted: Vec<&str> = Vec::new();
     let (mut callee, mut next, mut sum) = ("", false, 0);

@@ -1,9 +1,9 @@
-//! Where the pattern changes really lie, against the true rotor.
+//! Errors of the commutation instants against the true rotor.
 
 use narx_core::motor::Step;
 use narx_sim::bench::Bench;
 
-/// Watches the patterns that the bridge gets, tick by tick.
+/// Records the errors of the patterns that the bridge receives, tick by tick.
 #[derive(Debug, Default)]
 pub struct Commutations {
     step: Step,
@@ -12,14 +12,15 @@ pub struct Commutations {
 }
 
 impl Commutations {
-    /// Starts to watch: what came before is forgotten.
+    /// Forgets the errors so far.
     pub fn clear(&mut self) {
         self.errors.clear();
     }
 
-    /// Call after every tick: the changes of the period that has just passed, `step` at the board's `earliest`, the others at their
-    /// instants. A step belongs to 60 degrees (`Step`): commutation from another is ideal on the edge where the rotor enters them. A bridge
-    /// that was off may go on anywhere within them, and off anywhere.
+    /// Takes the changes of the period that has just passed: `step` at the board's `earliest`, the others at
+    /// their instants. Must be called after every tick. A step belongs to 60 degrees (`Step`): commutation
+    /// from another step is ideal on the edge at which the rotor enters them. A bridge that was off may be
+    /// switched on anywhere within them, and may be switched off anywhere.
     pub fn watch(&mut self, bench: &Bench) {
         let before = core::mem::replace(&mut self.turns, bench.plant().observe().electrical_turns);
         let command = *bench.command();
@@ -31,7 +32,7 @@ impl Commutations {
             let Some(sector) = step.sector().filter(|_| was != step) else { continue };
             let turned = self.turns - before;
             let degrees = 360.0 * (before + turned * f64::from(instant) / 65_536.0);
-            // Torque goes with the motion: backward the step is that of the opposite sector.
+            // Torque acts in the direction of motion: backward, the step is that of the opposite sector.
             let middle = 60.0 * f64::from(sector + 1) + if turned < 0.0 { 180.0 } else { 0.0 };
             let beyond = ((degrees - middle) * turned.signum() + 180.0).rem_euclid(360.0) - 180.0;
             if was.sector().is_some() {
@@ -42,7 +43,7 @@ impl Commutations {
         }
     }
 
-    /// Their errors since, electrical degrees late; early is negative.
+    /// Errors since the last [`clear`](Self::clear), electrical degrees late; early is negative.
     pub fn errors(&self) -> &[f64] {
         &self.errors
     }

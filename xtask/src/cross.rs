@@ -5,22 +5,22 @@ use crate::qemu::Machine;
 use std::path::Path;
 use std::process::Command;
 
-/// Compiler and C library.
+/// Packages with the compiler and the C library.
 pub const PACKAGES: [Package; 2] = [
     Package { name: "gcc-arm-none-eabi", provides: COMPILER },
     Package { name: "libnewlib-arm-none-eabi", provides: "/usr/lib/arm-none-eabi/newlib/rdimon.specs" },
 ];
 
-/// C compilers accept what is ours without a word.
+/// Strict options: C compilers must accept our code without a warning.
 pub const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
 
-/// Leaves out what only a debugger reads.
+/// Program that removes debug information.
 pub const STRIP: &str = "arm-none-eabi-strip";
 
-/// The compiler's name.
+/// Name of the compiler.
 pub const COMPILER: &str = "arm-none-eabi-gcc";
 
-/// What a program is compiled for.
+/// Processor for which a program is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Processor {
     /// A Cortex-M4 with floating point, as on the boards.
@@ -30,10 +30,10 @@ pub enum Processor {
 }
 
 impl Processor {
-    /// Every one.
+    /// All processors.
     pub const ALL: [Self; 2] = [Self::CortexM4F, Self::CortexM0];
 
-    /// The Rust target of its libraries.
+    /// Rust target of its libraries.
     pub const fn target(self) -> &'static str {
         match self {
             Self::CortexM4F => "thumbv7em-none-eabihf",
@@ -41,7 +41,7 @@ impl Processor {
         }
     }
 
-    /// What the C compiler must be told.
+    /// Options that the C compiler needs for it.
     pub const fn options(self) -> &'static [&'static str] {
         match self {
             Self::CortexM4F => &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
@@ -50,12 +50,13 @@ impl Processor {
     }
 }
 
-/// The compiler, with all that makes a program with semihosting on a Cortex-M4F of its sources; optimisation is the caller's.
+/// Returns the compiler with the options and sources that make a program with semihosting on a Cortex-M4F;
+/// the caller chooses the optimisation.
 pub fn compiler(root: &Path) -> Command {
     compiler_for(root, Processor::CortexM4F, Machine::Mps2M4)
 }
 
-/// The same for a processor, in the memory of a machine that runs its code.
+/// Returns the compiler for a processor, with the memory layout of a machine that runs its code.
 pub fn compiler_for(root: &Path, processor: Processor, machine: Machine) -> Command {
     let tests = root.join("tests/c");
     let mut command = Command::new(COMPILER);

@@ -3,7 +3,8 @@
 use narx_sim::trace::{Column, Trace};
 use std::io::{self, Write};
 
-/// Writes traces of the same ticks side by side, as many rows as the shortest has. Every number reads back to the very value it was.
+/// Writes traces of the same ticks side by side, as many rows as the shortest has. Every number is read back
+/// as exactly the same value.
 pub fn write(traces: &[&Trace], mut out: impl Write) -> io::Result<()> {
     let signals = traces.iter().flat_map(|trace| trace.signals());
     let names: Vec<&str> = signals.map(|signal| signal.name).collect();

@@ -1,4 +1,5 @@
-//! `docs/narx.dbc`: every message and signal as a CAN database, made from core's tables, at the factory addresses.
+//! `docs/narx.dbc`: every message and signal as a CAN database, made from core's tables, at the factory
+//! addresses.
 
 use crate::decoded;
 use crate::steps::{self, Outcome};
@@ -10,15 +11,15 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Writes the database, or with `check` compares it.
+/// Writes the database or, with `check`, compares it.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Writes the database, or with `check` compares it: the closing line.
+/// Writes the database or, with `check`, compares it; returns the closing line.
 ///
 /// # Errors
-/// It cannot be written, or differs.
+/// Fails if it cannot be written, or differs.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let path = root.join("docs/narx.dbc");
     let fresh = render();
@@ -32,15 +33,15 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     Ok(vec![format!("{} messages, {} bytes", MESSAGES.len(), fresh.len())])
 }
 
-/// Longest name that every reader of the format takes.
+/// Longest name that every reader of the format accepts.
 const NAME_MAX: usize = 32;
 
 /// One signal of the database.
 struct Signal {
     name: String,
-    /// `M` for the multiplexer, `m7` for what it selects with 7.
+    /// `M` for the multiplexer, `m7` for a signal that the value 7 selects.
     multiplex: String,
-    /// Place of the highest bit, 0..=63 as [`Field::first_bit`].
+    /// Position of the highest bit, 0..=63 as [`Field::first_bit`].
     first_bit: u8,
     bits: u8,
     signed: bool,
@@ -51,7 +52,7 @@ struct Signal {
     comment: String,
 }
 
-/// The database as text.
+/// Renders the database as text.
 pub fn render() -> String {
     let mut out = String::from("VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: Master Drive\n");
     let mut comments = String::new();
@@ -83,7 +84,7 @@ pub fn render() -> String {
     out + "\n" + &comments + "\n" + &values
 }
 
-/// What the database's signals are worth in a message in which the decoder read these raw values.
+/// Physical values of the database's signals in a message, from the raw values that the decoder read.
 pub fn physical(message: &Message, values: &[decoded::Value]) -> Vec<(String, Decimal)> {
     let raw = |name| values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     let row = raw("Number").and_then(|number| Dictionary::row(number as u16));
@@ -106,7 +107,7 @@ pub fn physical(message: &Message, values: &[decoded::Value]) -> Vec<(String, De
     physical
 }
 
-/// What a field is in the database: one signal, one for each fault, or one for each parameter.
+/// Signals of a field in the database: one, one for each fault, or one for each parameter.
 fn signals(field: &Field) -> Vec<Signal> {
     let range = match (field.signed, field.bits) {
         (true, bits) => (-(1 << (bits - 1)), (1 << (bits - 1)) - 1),
@@ -175,11 +176,12 @@ fn parameter(field: &Field, row: &Parameter) -> Signal {
 impl Signal {
     fn declaration(&self) -> String {
         let Self { name, multiplex, bits, exponent, range: (min, max), .. } = self;
-        // Bits are counted from the lowest of byte 0, bytes from the left; big-endian signals are placed by their highest bit.
+        // The format counts bits from the lowest of byte 0, and bytes from the left; it places a
+        // big-endian signal by its highest bit.
         let start = self.first_bit / 8 * 8 + 7 - self.first_bit % 8;
         let sign = if self.signed { '-' } else { '+' };
         let scaled = |digits| Decimal { digits, exponent: *exponent };
-        // The format has the one-byte characters of Western Windows, and a file of this project has not.
+        // The format uses the one-byte characters of Western Windows; files of this project use UTF-8.
         let unit = self.unit.replace("°C", "degC");
         let unit = if unit == "-" { "" } else { &unit };
         format!(

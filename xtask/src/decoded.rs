@@ -1,5 +1,5 @@
-//! What core's decoders read in a frame, as named raw values: written field by field, so that tables of fields, and what
-//! is made from them, can be held to it.
+//! Raw values that core's decoders read in a frame, by name. They are written field by field, so that tables
+//! of fields, and everything made from these, can be checked against them.
 
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::update::{ImageVersion, UpdateAnswer, UpdateRequest, UpdateStatus};
@@ -12,10 +12,11 @@ use narx_core::dictionary::Dictionary;
 /// Name and raw value of a field.
 pub type Value = (&'static str, i64);
 
-/// What the decoder of its direction reads in a frame of this message.
+/// Decodes a frame of this message with the decoder of its direction; returns the fields with their raw
+/// values.
 ///
 /// # Errors
-/// Those of the decoder.
+/// Fails with the decoder's error.
 pub fn values(message: &Message, frame: &Frame) -> Result<Vec<Value>, DecodeError> {
     Ok(match message.kind {
         MessageKind::SlaveTx => from_drive(FromDrive::decode(frame)?.1),
@@ -23,7 +24,7 @@ pub fn values(message: &Message, frame: &Frame) -> Result<Vec<Value>, DecodeErro
     })
 }
 
-/// A frame of this message with a random value in every field, such as the field allows.
+/// Frame of this message with a random value in every field, within the range that the field allows.
 pub fn random_frame(message: &Message, random: &mut impl FnMut() -> u64) -> Frame {
     let row = Dictionary::rows().nth(random() as usize % Dictionary::rows().count());
     let mut bits = 0_u64;
@@ -42,7 +43,7 @@ pub fn random_frame(message: &Message, random: &mut impl FnMut() -> u64) -> Fram
     Words(words).frame(message.id(Addresses::FACTORY))
 }
 
-/// The bits of a field in the 64 of a frame.
+/// Places the bits of a field in the 64 of a frame.
 fn place(field: &Field, raw: u64) -> u64 {
     let mask = (1 << field.bits) - 1;
     (raw & mask) << (64 - field.first_bit - field.bits)
@@ -149,7 +150,7 @@ fn from_drive(message: FromDrive) -> Vec<Value> {
         FromDrive::CriticalFault { faults, code } => {
             vec![("Faults", faults.bits().into()), ("Extended fault code", code.into())]
         }
-        // Anything but 1 is no acknowledgement.
+        // Any value but 1 is not an acknowledgement.
         FromDrive::Reboot => vec![("Acknowledged", 1)],
         FromDrive::MotorCommand { speed } => vec![("Speed", speed.into())],
         FromDrive::Parameter { number, value, status } => {

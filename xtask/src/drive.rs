@@ -1,4 +1,4 @@
-//! `drive`: a virtual drive in real time for everybody's tools.
+//! `drive`: a virtual drive in real time for other tools.
 
 use crate::setup::{self, Refused, Setup, number};
 use narx_host::serve::{Server, Speed, call, tx_drivers};
@@ -13,14 +13,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Arguments of `drive`, as typed.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// What stands on the bench
+    /// Motor, mode, supply and load of the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
-    /// TX-Drivers on the drive's bus, by their node-ids (1 to 127), with commas between, :dual behind those with two channels; each looks at the shaft's
-    /// surface and has an encoder on the shaft, with factory values otherwise
+    /// TX-Drivers on the drive's bus: their node-ids (1 to 127), separated by commas, with :dual after those
+    /// with two channels; each watches the shaft's surface and has an encoder on the shaft, with factory
+    /// values otherwise
     #[arg(long, value_name = "N[:dual][,...]")]
     pub tx_drivers: Option<String>,
-    /// Simulated over real time: a number, or max
+    /// Ratio of simulated to real time: a number, or max
     #[arg(long, allow_hyphen_values = true, default_value = "1")]
     pub speed: String,
     /// Address of the slcan server; port 0 takes a free one
@@ -29,18 +30,18 @@ pub struct Arguments {
     /// Offer a pseudo-terminal, too
     #[arg(long)]
     pub pty: bool,
-    /// A symbolic link to the pseudo-terminal
+    /// Symbolic link to the pseudo-terminal
     #[arg(long, requires = "pty")]
     pub link: Option<PathBuf>,
-    /// Ends after so much simulated time, s [default: runs until Ctrl-C]
+    /// End after this much simulated time, s [default: runs until Ctrl-C]
     #[arg(long, allow_hyphen_values = true)]
     pub seconds: Option<String>,
-    /// Tell every second what the drive does, and who comes and goes
+    /// Print every second what the drive does, and which clients connect and disconnect
     #[arg(long, short)]
     pub verbose: bool,
 }
 
-/// Runs the drive until Ctrl-C; exit code 2 and one line for arguments that cannot be.
+/// Runs the drive until Ctrl-C; invalid arguments give exit code 2 and one line.
 pub fn run(arguments: &Arguments) -> ExitCode {
     let request = match Request::new(arguments) {
         Ok(request) => request,
@@ -58,7 +59,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// A drive that can be.
+/// A checked request for a drive.
 struct Request {
     setup: Setup,
     tx_drivers: Vec<TxDriverConfig>,
@@ -87,7 +88,7 @@ impl Request {
     }
 }
 
-/// Opens the doors, says where they are, and runs.
+/// Opens the ports, prints their addresses, and runs the drive.
 fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
@@ -130,7 +131,7 @@ fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
     Ok(())
 }
 
-/// A line for whoever started this; if he does not read it, the drive runs on.
+/// Prints a line for the user; if nothing reads the output, the drive runs on.
 fn say(line: &str) {
     let mut out = io::stdout().lock();
     let _ = writeln!(out, "{line}").and_then(|()| out.flush());

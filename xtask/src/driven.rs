@@ -1,18 +1,18 @@
-//! The program that drives one motor with the real core in the loop (`sim/examples/driven.rs`): what speed and instruction
-//! counts are measured on.
+//! The program that drives one motor with the real core in the loop (`sim/examples/driven.rs`), on which
+//! speed and instruction counts are measured.
 
 use crate::install;
 use crate::steps;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Control modes that are measured, as the program names them.
+/// Measured control modes, as the program names them.
 pub const MODES: [&str; 2] = ["hall", "sensorless"];
 
-/// Builds it as released, and says where it is.
+/// Builds the program in its release profile; returns its path.
 ///
 /// # Errors
-/// What the compiler said.
+/// Fails with the compiler's message.
 pub fn build(root: &Path) -> Result<PathBuf, String> {
     let mut build = Command::new("cargo");
     build.args(["build", "--release", "--quiet", "-p", "narx-sim", "--example", "driven"]);
@@ -20,10 +20,10 @@ pub fn build(root: &Path) -> Result<PathBuf, String> {
     Ok(install::target_directory(root).join("release/examples/driven"))
 }
 
-/// Runs a program, and returns what it printed.
+/// Runs a program; returns its output.
 ///
 /// # Errors
-/// It does not start, or fails.
+/// Fails if the program does not start, or fails.
 pub fn output(command: &mut Command) -> Result<String, String> {
     let program = command.get_program().display().to_string();
     let output = command.output().map_err(|error| format!("{program}: {error}"))?;

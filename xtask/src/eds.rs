@@ -1,7 +1,9 @@
-//! `docs/eddycan-*.eds`: the TX-Driver for CANopen tools (CiA 306), one file for each layout of its PDOs, made from core's table of objects.
+//! `docs/eddycan-*.eds`: the TX-Driver for CANopen tools (CiA 306), one file for each layout of its PDOs,
+//! made from core's table of objects.
 //!
-//! Two things in them the device does not have: communication and mapping of the PDOs, which eddyCAN fixes (1800h to 1A02h), and the values that they carry
-//! (2200h to 2202h). Tools want both to decode a PDO, and must take them from the file instead of reading them.
+//! The files have two things that the device does not: communication and mapping of the PDOs, which eddyCAN
+//! fixes (1800h to 1A02h), and the values in the PDOs (2200h to 2202h). Tools need both to decode a PDO, and
+//! must take them from the file instead of reading them.
 
 use crate::steps::{self, Outcome};
 use narx_core::bus::eddycan::{Bitrate, Channels, Layout, PdoKind};
@@ -21,22 +23,22 @@ const INTEGER32: u8 = 0x04;
 const VARIABLE: u8 = 0x7;
 const ARRAY: u8 = 0x8;
 const RECORD: u8 = 0x9;
-/// What PDOs carry: entries of the file alone.
+/// Contents of PDOs: entries of the file alone.
 const POSITION_1: u16 = 0x2200;
 const POSITION_2: u16 = 0x2201;
 const ENCODER: u16 = 0x2202;
 
 const TRIGGERS: [PdoKind; 3] = [PdoKind::Timer, PdoKind::Sync, PdoKind::Remote];
 
-/// Writes the files, or with `check` compares them.
+/// Writes the files or, with `check`, compares them.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Writes the files, or with `check` compares them: the closing line.
+/// Writes the files or, with `check`, compares them; returns the closing line.
 ///
 /// # Errors
-/// One cannot be written, or differs.
+/// Fails if a file cannot be written, or differs.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     for layout in Layout::ALL {
         let path = root.join("docs").join(file_name(layout));
@@ -52,7 +54,7 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     Ok(vec![format!("{} files of {} objects", Layout::ALL.len(), OBJECTS.len())])
 }
 
-/// The file of a layout, in `docs`.
+/// Name of the file of a layout, in `docs`.
 pub fn file_name(layout: Layout) -> String {
     let channels = match layout.channels {
         Channels::Single => "single",
@@ -62,7 +64,7 @@ pub fn file_name(layout: Layout) -> String {
     format!("eddycan-{channels}{encoder}.eds")
 }
 
-/// What a PDO carries: index, name and data type of each part, in their order.
+/// Parts of a PDO in their order: index, name and data type.
 fn parts(layout: Layout) -> Vec<(u16, &'static str, u8)> {
     let position =
         if layout == (Layout { channels: Channels::Dual, encoder: true }) { INTEGER24 } else { INTEGER32 };
@@ -76,7 +78,7 @@ fn parts(layout: Layout) -> Vec<(u16, &'static str, u8)> {
     parts
 }
 
-/// The file as text.
+/// Renders the file as text.
 pub fn render(layout: Layout) -> String {
     let mut out = header(layout);
     let mut indices: Vec<u16> = OBJECTS.iter().map(|row| row.index).collect();
@@ -157,7 +159,7 @@ fn constant(out: &mut String, index: u16, subindex: usize, name: &str, data_type
     );
 }
 
-/// When a PDO is sent. Bit 30 of the identifier: not at a remote frame.
+/// Writes the conditions under which a PDO is sent. Bit 30 of the identifier: not at a remote frame.
 fn communication(out: &mut String, index: u16, kind: PdoKind) {
     let base = 0x80 + 0x100 * kind as u32;
     let (flags, transmission) = match kind {

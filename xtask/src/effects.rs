@@ -1,7 +1,8 @@
-//! Takes the effect of each row of the specification out of the tests that the coverage table names for it, one after the other, and sees which of them
-//! notice: `tests/effects.toml`, from which `tests/coverage.md` is made.
+//! Disables the effect of each row of the specification in turn, runs the tests that the coverage table names
+//! for the row, and records which of them fail: `tests/effects.toml`, from which `tests/coverage.md` is made.
 //!
-//! The tests are built once with the feature `blind` (`core/src/blind.rs`); an environment variable chooses the effect. So a row costs as much as its tests take.
+//! The tests are built once with the feature `blind` (`core/src/blind.rs`); an environment variable selects
+//! the effect. A row therefore takes only the time of its tests.
 
 use crate::coverage::{self, Effect, Record};
 use crate::steps::{self, Outcome};
@@ -14,17 +15,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The variable that `core/src/blind.rs` reads.
+/// Environment variable that `core/src/blind.rs` reads.
 const VARIABLE: &str = "NARX_BLIND";
-/// A test that takes longer than this waits for what does not come any more.
+/// Longest time of a test. A test that takes longer waits for an event that no longer comes.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// Which effects.
+/// Selection of effects.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Effects as tests/effects.toml has them, as in "parameter 13", or a table of them, as in "transition"; without one all
+    /// Effects to disable, named as in tests/effects.toml ("parameter 13"), or a whole table of them
+    /// ("transition"); without a name all
     effects: Vec<String>,
-    /// Give every test of these suites the chance to notice, not only those that name the row
+    /// Run every test of these suites, not only those that name the row
     #[arg(long, value_name = "SUITE")]
     every: Vec<String>,
     /// Write nothing; fail if an effect is not noticed by the tests that tests/effects.toml has for it
@@ -32,7 +34,7 @@ pub struct Arguments {
     check: bool,
 }
 
-/// `cargo xtask effects`.
+/// Runs `cargo xtask effects`.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(take_out(root, arguments))
 }
@@ -99,7 +101,7 @@ fn take_out(root: &Path, arguments: &Arguments) -> Outcome {
     }
 }
 
-/// The tests that fail with nothing taken out.
+/// Returns the tests that fail although nothing is disabled.
 fn without_any(suites: &[Suite], tasks: &[Task]) -> Result<Vec<String>, String> {
     let tests: BTreeSet<String> = tasks.iter().flat_map(|task| task.tests.iter().cloned()).collect();
     let tests: Vec<String> = tests.into_iter().collect();
@@ -114,7 +116,7 @@ fn without_any(suites: &[Suite], tasks: &[Task]) -> Result<Vec<String>, String> 
     Ok(failed.into_iter().collect())
 }
 
-/// What notices each effect, as many at a time as the machine has processors.
+/// Returns the tests that notice each effect; runs as many effects at a time as the machine has processors.
 fn each(suites: &[Suite], tasks: &[Task]) -> Result<Vec<BTreeSet<String>>, String> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(vec![Ok(BTreeSet::new()); tasks.len()]);
@@ -155,12 +157,12 @@ fn notice(suites: &[Suite], task: &Task) -> Result<BTreeSet<String>, String> {
     Ok(noticed)
 }
 
-/// A program of tests.
+/// A test program.
 struct Suite {
     name: String,
     program: PathBuf,
     folder: PathBuf,
-    /// Full names by the last part of them.
+    /// Full names of its tests, by the last part of the name.
     tests: BTreeMap<String, Vec<String>>,
 }
 
@@ -199,7 +201,8 @@ impl Suite {
         Ok(Self { name: name.to_owned(), program, folder, tests })
     }
 
-    /// Those of the tests `suite::name` that are its own and fail without the effect. One that does not end fails.
+    /// Returns those of the tests `suite::name` that belong to this suite and fail without the effect. A test
+    /// that does not end counts as failed.
     fn failing(
         &self,
         effect: Option<&Effect>,
@@ -224,7 +227,8 @@ impl Suite {
         Ok(failed.iter().map(short).collect())
     }
 
-    /// Runs what is left: takes out of it what has ended, and returns what has not.
+    /// Runs the tests that are left. Removes from `left` those that have ended; returns one that has not
+    /// ended.
     fn run(
         &self,
         effect: Option<&Effect>,
@@ -237,7 +241,7 @@ impl Suite {
             .args(["--exact", &format!("--test-threads={threads}")])
             .args(left.iter())
             .current_dir(&self.folder);
-        // What fails on purpose leaves nothing behind.
+        // Tests that fail on purpose must not leave files behind.
         command.env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1").env("PROPTEST_MAX_SHRINK_ITERS", "0");
         command
             .env("INSTA_UPDATE", "no")
@@ -254,7 +258,7 @@ impl Suite {
         let reader = thread::spawn(move || {
             let mut output = BufReader::new(output);
             let mut line = Vec::new();
-            // A test's name comes before its end of line does.
+            // The name of a test is printed before the end of its line.
             while output.by_ref().take(1).read_to_end(&mut line).is_ok_and(|count| count == 1) {
                 if line.ends_with(b" ... ") || line.ends_with(b"\n") {
                     if told.send(String::from_utf8_lossy(&line).trim_end().to_owned()).is_err() {
@@ -280,7 +284,7 @@ impl Suite {
                     else {
                         continue;
                     };
-                    // A test that should panic has this beside its name.
+                    // The line of a test that should panic has this after the name.
                     let test = test.split(" - ").next().unwrap_or(test);
                     match verdict.trim() {
                         "" => running = Some(test.to_owned()),

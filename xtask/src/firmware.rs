@@ -1,4 +1,4 @@
-//! The firmware's images: built, measured, and run in the emulator.
+//! Images of the firmware: built, measured, and run in the emulator.
 
 use crate::board;
 use crate::install;
@@ -11,30 +11,30 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{fs, io};
 
-/// What `firmware` is asked for.
+/// Arguments of `firmware`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
-    /// The board
+    /// Board of the image
     #[arg(long)]
     board: Board,
-    /// Run the virtual drive: slcan on a TCP port of this machine
+    /// Run the virtual drive; its CAN bus is slcan on a TCP port of this machine
     #[arg(long)]
     run: bool,
-    /// The TCP port
+    /// TCP port of the virtual drive
     #[arg(long, default_value_t = 2000, requires = "run")]
     port: u16,
-    /// The motor on the board, by its preset's name
+    /// Motor on the board, by the name of its preset
     #[arg(long, requires = "run")]
     motor: Option<String>,
-    /// Its supply, V
+    /// Supply voltage of the motor, V
     #[arg(long, requires = "run")]
     supply: Option<u8>,
-    /// Write the board's golden figures anew
+    /// Write the golden figures of the board anew
     #[arg(long, conflicts_with = "run")]
     golden: bool,
 }
 
-/// What an image is built for.
+/// Board for which an image is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Board {
     /// The emulated mps2-an386 with a simulated motor and power stage
@@ -55,9 +55,9 @@ pub enum Image {
     Count,
     /// Counts the instructions of the simulated motor.
     Plant,
-    /// Measures how much stack the calls of a shell take.
+    /// Measures the stack that the calls of a shell take.
     Stack,
-    /// Counts what a drive does between two sleeps in Standby.
+    /// Counts the instructions of a drive between two sleeps in Standby.
     Standby,
     /// Swaps and verifies images in the slots, and enters one.
     Bootloader,
@@ -66,7 +66,7 @@ pub enum Image {
 }
 
 impl Image {
-    /// All of them.
+    /// All images.
     pub const ALL: [Self; 8] = [
         Self::Drive,
         Self::Replay,
@@ -78,7 +78,7 @@ impl Image {
         Self::Application,
     ];
 
-    /// Its name, which is that of its file.
+    /// Name of the image and of its file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Drive => "qemu",
@@ -92,13 +92,14 @@ impl Image {
         }
     }
 
-    /// Where [`build`] leaves it.
+    /// Path at which [`build`] leaves it.
     pub fn path(self, root: &Path) -> PathBuf {
         install::target_directory(root).join(EMBEDDED).join("release").join(self.name())
     }
 }
 
-/// Builds the images of a board, signs those for its slots, and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
+/// Builds the images of a board, signs those for its slots, and prints their sizes; with `--run` it runs the
+/// virtual drive until it is interrupted.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     match (arguments.board, arguments.run, arguments.golden) {
         (Board::Esc1, true, _) => return refuse("--run: nobody emulates this board; --board qemu runs"),
@@ -129,7 +130,7 @@ fn refuse(reason: &str) -> ExitCode {
 /// Installs the target and builds all images.
 ///
 /// # Errors
-/// What rustup or cargo said.
+/// Fails with the message of rustup or cargo.
 pub fn build(root: &Path) -> Outcome {
     install::rust_target(EMBEDDED)?;
     let arguments = ["build", "--release", "-p", "narx-firmware", "--bins", "--target", EMBEDDED];
@@ -139,15 +140,15 @@ pub fn build(root: &Path) -> Outcome {
 /// Installs the emulator.
 ///
 /// # Errors
-/// How to get it.
+/// Fails with the command that installs the emulator.
 pub fn emulator() -> Outcome {
     install::debian(&[qemu::PACKAGE])
 }
 
-/// A line for each image: bytes of flash and of RAM without the stack.
+/// Returns a line for each image: bytes of flash, and of RAM without the stack.
 ///
 /// # Errors
-/// An image that is not there or not an image.
+/// Fails if an image is missing or invalid.
 pub fn sizes(root: &Path) -> Outcome {
     let line = |image: Image| {
         let path = image.path(root);
@@ -157,7 +158,7 @@ pub fn sizes(root: &Path) -> Outcome {
     Image::ALL.into_iter().map(line).collect()
 }
 
-/// What an image occupies, bytes.
+/// Memory that an image occupies, bytes.
 pub(crate) struct Size {
     pub(crate) flash: u32,
     pub(crate) ram: u32,
@@ -166,8 +167,8 @@ pub(crate) struct Size {
 /// Start of the RAM of a Cortex-M.
 const RAM: u32 = 0x2000_0000;
 
-/// Sums the segments of a 32-bit little-endian ELF file (System V ABI, chapter 5): what the file holds goes to flash, wherever it
-/// runs; what stands in RAM takes that, too.
+/// Sums the segments of a 32-bit little-endian ELF file (System V ABI, chapter 5): bytes that the file holds
+/// count as flash, wherever they run; segments in RAM count as RAM, too.
 pub(crate) fn size(path: &Path) -> io::Result<Size> {
     let file = fs::read(path)?;
     let malformed = || io::Error::other("not a 32-bit ELF file");

@@ -1,5 +1,6 @@
-//! The floor beside the control tick: a bare six-step tick by hand in C (`xtask/floor/tick.c`), counted on the emulated Cortex-M4F, and driving the simulated
-//! motor (`xtask/floor/turn.c`), for what does not turn a motor is no floor.
+//! The floor to which the control tick is compared: a bare six-step tick by hand in C (`xtask/floor/tick.c`),
+//! counted on the emulated Cortex-M4F. It also drives the simulated motor (`xtask/floor/turn.c`), because a
+//! tick that turns no motor is no fair comparison.
 
 use crate::steps::Outcome;
 use crate::{cross, driven, install, qemu};
@@ -12,24 +13,24 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 
-/// Ticks that are counted: 2 s.
+/// Number of ticks that are counted: 2 s.
 const TICKS: u32 = 20_000;
 
-/// Version of the compiler, for figures that hold for this one only.
+/// Version of the compiler; the figures hold for this version only.
 ///
 /// # Errors
-/// It is not there and cannot be installed.
+/// Fails if the compiler is missing and cannot be installed.
 pub fn compiler_version() -> Result<String, String> {
     install::debian(&cross::PACKAGES)?;
     let version = driven::output(Command::new(cross::COMPILER).arg("-dumpfullversion"))?;
     Ok(version.trim().to_owned())
 }
 
-/// Runs both ticks of a motor that turns at `millihertz`, electrical: a line `floor NAME TICKS TOTAL WORST` for each, and one behind `#` that
-/// says what it did.
+/// Runs both ticks of a motor that turns at `millihertz`, electrical. Returns a line `floor NAME TICKS TOTAL
+/// WORST` for each, and one after `#` that describes its work.
 ///
 /// # Errors
-/// What compiler or emulator said, or which tick does not do its work.
+/// Fails with the message of compiler or emulator, or with the tick that does not do its work.
 pub fn run(root: &Path, millihertz: u32) -> Result<String, String> {
     let program = compile(root)?;
     let arguments = [millihertz.to_string(), TICKS.to_string()];
@@ -50,16 +51,16 @@ fn compile(root: &Path) -> Result<PathBuf, String> {
     driven::output(compiler.arg("-o").arg(&program)).map(|_| program)
 }
 
-/// The motor that the floor drives: that of the rows `running`, on its 18 V.
+/// Motor that the floor drives: that of the rows `running`, on its 18 V.
 const MOTOR: &str = "ec45-flat-50w-18v";
 const SUPPLY: f64 = 18.0;
 /// Its set-point, mechanical rpm.
 const RPM: f64 = 1656.0;
-/// Ticks until it counts, and ticks that count.
+/// Ticks before the measurement, and ticks of the measurement.
 const SETTLED: u32 = 10_000;
 const COUNTED: u32 = 10_000;
 
-/// What the floor made of the motor.
+/// Result of a run of the floor with the motor.
 #[derive(Clone, Copy, Debug)]
 pub struct Turned {
     /// Set-point, rpm.
@@ -68,10 +69,11 @@ pub struct Turned {
     pub rpm: f64,
 }
 
-/// Compiles the floor for this machine and lets it drive the simulated motor for two seconds, from the set-point's speed, because it cannot start.
+/// Compiles the floor for this machine and lets it drive the simulated motor for two seconds. The motor
+/// begins at the set-point's speed, because the floor cannot start it.
 ///
 /// # Errors
-/// What the compiler said, or the line that is no command.
+/// Fails with the compiler's message, or with a line that is not a command.
 pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
     let program = install::target_directory(root).join("turn");
     let mut compiler = Command::new("cc");
@@ -80,7 +82,7 @@ pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
 
     let motor = preset(MOTOR).ok_or("no such motor")?.motor;
     let (speed, poles) = (RPM * TAU / 60.0, f64::from(motor.pole_pairs));
-    // It is handed a motor that turns and enters the first step's sector.
+    // The motor already turns, and enters the first step's sector.
     let volts = motor.torque_constant * speed;
     let config = PlantConfig { angle_deg: 30.0, speed, ..PlantConfig::new(motor, SUPPLY) };
     let mut plant = Plant::new(&config);
@@ -94,7 +96,7 @@ pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
     let pipes = child.stdin.take().zip(child.stdout.take().map(BufReader::new));
     let (mut to, mut from) = pipes.ok_or("no pipes")?;
     let outcome = drive(&mut plant, &mut to, &mut from);
-    // At the end of its input the program ends.
+    // The program ends at the end of its input.
     drop(to);
     let status = child.wait().map_err(|error| error.to_string())?;
     let turned = outcome?;
@@ -104,10 +106,10 @@ pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
 /// Largest difference from the set-point, as a share of it.
 const TOLERANCE: f64 = 0.02;
 
-/// That both ticks turn the motor at their set-point.
+/// Checks that both ticks turn the motor at their set-point.
 ///
 /// # Errors
-/// Which does not.
+/// Fails with the tick that does not.
 pub fn check(root: &Path) -> Outcome {
     let one = |mode: &str| {
         let Turned { target, rpm } = turn(root, mode)?;
@@ -138,14 +140,15 @@ fn drive(
     Ok(Turned { target: RPM, rpm })
 }
 
-/// Samples as the floor reads them: its converter has our scales.
+/// Formats samples for the floor: its converter has our scales.
 fn line(samples: &Samples) -> String {
     let Samples { bus_voltage, bus_current, phase_voltage: [a, b, c], hall, edges, .. } = samples;
     let (edge, at) = edges.last().map_or((0, 0), |edge| (1, edge.instant));
     format!("{bus_voltage} {bus_current} {a} {b} {c} {hall} {edge} {at}")
 }
 
-/// `DUTY STEP AT NEXT` as our bridge takes it; sampled in the middle of the on-time, at the period's boundary.
+/// Parses `DUTY STEP AT NEXT` into a command for our bridge; it samples in the middle of the on-time, at the
+/// period's boundary.
 fn command(line: &str) -> Option<PwmCommand> {
     const STEPS: [Step; 7] = [Step::AB, Step::AC, Step::BC, Step::BA, Step::CA, Step::CB, Step::Coast];
     let words: Vec<u16> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();

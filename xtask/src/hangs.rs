@@ -1,4 +1,5 @@
-//! What the watchdog of the virtual drive does about tasks that hang: each is told to, in a closed run on the machine's own time.
+//! Test of the virtual drive's watchdog: each task hangs on command, in a closed run on the machine's own
+//! time.
 
 use crate::firmware::Image;
 use crate::qemu;
@@ -7,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Stdio};
 
-/// What can hang (`firmware/src/boards/qemu/trouble.rs`), with what that is.
+/// Tasks that can hang (`firmware/src/boards/qemu/trouble.rs`), with a description.
 const TASKS: [(&str, &str); 5] = [
     ("no-control", "the control interrupt does not come"),
     ("control", "the control interrupt does not end"),
@@ -15,15 +16,16 @@ const TASKS: [(&str, &str); 5] = [
     ("background", "reading the slow inputs hangs"),
     ("flash", "serving the flash hangs"),
 ];
-/// The watchdog interrupts after this time, and resets after another.
+/// Time until the watchdog interrupts; after as much again it resets.
 const PERIOD_MS: u32 = 500;
-/// Two rounds of the background, in which it may have been fed once more; they are slow where every instruction takes 128 ns.
+/// Duration of two rounds of the background, in which the watchdog may have been fed once more. They are slow
+/// because every instruction takes 128 ns.
 const ROUNDS_MS: u32 = 25;
 
-/// Lets every task hang. A line for each: when the reset came.
+/// Lets every task hang. Returns a line for each with the time of the reset.
 ///
 /// # Errors
-/// No reset, a late one, or one for another reason.
+/// Fails if there is no reset, a late one, or one for another reason.
 pub fn run(root: &Path) -> Outcome {
     TASKS.iter().map(|(task, what)| hang(root, task, what)).collect()
 }
@@ -45,7 +47,7 @@ fn hang(root: &Path, task: &str, what: &str) -> Result<String, String> {
     }
 }
 
-/// A run that would go on for ever.
+/// A run that never ends by itself; killed when dropped.
 struct Emulator(Child);
 
 impl Emulator {
@@ -54,7 +56,7 @@ impl Emulator {
         child.map(Self).map_err(|error| format!("{}: {error}", qemu::PROGRAM))
     }
 
-    /// The first line with `text`.
+    /// Returns the first line that contains `text`.
     fn line_with(&mut self, text: &str) -> Option<String> {
         let output = BufReader::new(self.0.stdout.take()?);
         output.lines().map_while(Result::ok).find(|line| line.contains(text))
@@ -63,7 +65,7 @@ impl Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // It may have ended, and then there is nothing to do.
+        // It may have ended already; then there is nothing to kill.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,31 +1,32 @@
-//! What the tests need from outside: installed where that is possible, else named with the command that does it.
+//! Installation of tools that the tests need. A tool that cannot be installed is named with the command that
+//! does it.
 
 use crate::steps;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
-/// A Debian package and a program by which one sees that it is there.
+/// A Debian package, and a program by which its presence is checked.
 #[derive(Clone, Copy, Debug)]
 pub struct Package {
     /// Name of the package.
     pub name: &'static str,
-    /// A program or a file of it.
+    /// A program or a file of the package.
     pub provides: &'static str,
 }
 
 impl Package {
-    /// Whether it is there.
+    /// Returns whether the package is installed.
     pub fn is_there(&self) -> bool {
         is_there(self.provides)
     }
 }
 
-/// What runs JavaScript, and fetches packages of it.
+/// Packages that run JavaScript, and fetch JavaScript packages.
 pub const NODE: [Package; 2] =
     [Package { name: "nodejs", provides: "node" }, Package { name: "npm", provides: "npm" }];
 
-/// Where everything goes that tests install or build.
+/// Folder for everything that tests install or build.
 pub fn target_directory(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
@@ -33,7 +34,7 @@ pub fn target_directory(root: &Path) -> PathBuf {
 /// Installs the packages that are missing: as root or with sudo on Debian.
 ///
 /// # Errors
-/// What is missing and the command that installs it, where it cannot be done here.
+/// Fails with the missing packages and the command that installs them, if they cannot be installed here.
 pub fn debian(packages: &[Package]) -> steps::Outcome {
     let missing: Vec<&str> =
         packages.iter().filter(|package| !package.is_there()).map(|package| package.name).collect();
@@ -54,7 +55,8 @@ pub fn debian(packages: &[Package]) -> steps::Outcome {
     };
     let install =
         || apt(&[&["install", "-y", "-qq", "--no-install-recommends"], missing.as_slice()].concat());
-    // A fresh image has no package lists, and its first installation can fail on a rename; the second does not.
+    // A fresh system has no package lists, and its first installation can fail on a rename; the second
+    // does not.
     install()
         .or_else(|_| apt(&["update", "-qq"]).and_then(|_| install()))
         .or_else(|_| install())
@@ -68,7 +70,7 @@ pub fn debian(packages: &[Package]) -> steps::Outcome {
 /// Adds a target to the Rust toolchain.
 ///
 /// # Errors
-/// What rustup said.
+/// Fails with rustup's message.
 pub fn rust_target(name: &str) -> steps::Outcome {
     steps::run(Command::new("rustup").args(["target", "add", name]))
 }
@@ -76,7 +78,7 @@ pub fn rust_target(name: &str) -> steps::Outcome {
 /// Adds components to the nightly Rust toolchain, or installs it with them.
 ///
 /// # Errors
-/// What rustup said.
+/// Fails with rustup's message.
 pub fn nightly(components: &[&str]) -> steps::Outcome {
     let installed = Command::new("rustup").args(["+nightly", "component", "list", "--installed"]).output();
     let installed = installed.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
@@ -89,12 +91,13 @@ pub fn nightly(components: &[&str]) -> steps::Outcome {
     steps::run(rustup.args(components.iter().flat_map(|component| ["--component", component])))
 }
 
-/// Installs a part of cargo (`cargo-NAME`) from crates.io in this version, unless it is there: some minutes.
+/// Installs a cargo command (`cargo-NAME`) from crates.io in this version, unless it is there; takes some
+/// minutes.
 ///
 /// # Errors
-/// What cargo said.
+/// Fails with cargo's message.
 pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
-    // By cargo: not every part of it answers when it is called by its own name.
+    // Called through cargo: not every command answers when it is called by its own name.
     let said = Command::new("cargo").args([name.trim_start_matches("cargo-"), "--version"]).output();
     if said.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).trim_end().ends_with(version)) {
         return Ok(Vec::new());
@@ -102,10 +105,11 @@ pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
     steps::run(Command::new("cargo").args(["install", name, "--locked", "--version", version]))
 }
 
-/// The interpreter of a virtual environment with exactly these requirements, made anew when they have changed.
+/// Returns the interpreter of a virtual environment with exactly these requirements; the environment is made
+/// anew when they have changed.
 ///
 /// # Errors
-/// What Python or pip said.
+/// Fails with the message of Python or pip.
 pub fn python_environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
     let python = directory.join("bin/python");
     let wanted =
@@ -131,7 +135,7 @@ pub fn python_environment(directory: &Path, requirements: &Path) -> Result<PathB
 /// Installs the npm packages that `directory/package-lock.json` names, unless they are there.
 ///
 /// # Errors
-/// What npm said, or how to get it.
+/// Fails with npm's message, or with the command that installs npm.
 pub fn npm(directory: &Path) -> steps::Outcome {
     let lock = directory.join("package-lock.json");
     let wanted = fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
@@ -149,7 +153,7 @@ pub fn npm(directory: &Path) -> steps::Outcome {
     Ok(Vec::new())
 }
 
-/// Whether a program is on the path, or a file exists.
+/// Returns whether a program is on the path, or a file exists.
 fn is_there(provides: &str) -> bool {
     if provides.starts_with('/') {
         return Path::new(provides).exists();

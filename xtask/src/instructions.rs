@@ -1,4 +1,5 @@
-//! Instructions of every control tick on a Cortex-M4F, exactly: golden figures in `tests/golden/instructions.toml`.
+//! Exact numbers of instructions of every control tick on a Cortex-M4F: golden figures in
+//! `tests/golden/instructions.toml`.
 
 use crate::firmware::{self, Image};
 use crate::running::Running;
@@ -10,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What the file begins with.
+/// Beginning of the file.
 const HEAD: &str = "\
 # Instructions on a Cortex-M4F (thumbv7em-none-eabihf, opt-level 3), counted by the emulator: exact, and the same on every run. Wait states of a
 # flash and stalls of the pipeline are not in it. Made anew by `cargo xtask generate`, compared by `cargo xtask test firmware`.
@@ -31,16 +32,18 @@ const HEAD: &str = "\
 # standby.period everything between two sleeps of a drive in Standby whose master speaks every 50 ms: control interrupt and background
 ";
 
-/// Builds the images and makes the golden file anew; with `check` nothing is written, and any other figure is a failure.
+/// Builds the images and writes the golden file. With `check` it writes nothing, and fails if a figure
+/// differs.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     let built = firmware::build(root).and_then(|_| firmware::emulator());
     steps::finish(built.and_then(|_| regenerate(root, check)))
 }
 
-/// With the images built, counts everything, prints it, and writes the golden file, or with `check` compares it.
+/// Counts everything with images that are built, prints it, and writes the golden file or, with `check`,
+/// compares it.
 ///
 /// # Errors
-/// The images do not run, or a figure is not the golden one.
+/// Fails if the images do not run, or a figure differs from the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let counted = Counted::new(root)?;
     println!("{}", table(&counted.rows));
@@ -54,7 +57,8 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let mut changed = differences(&old, &fresh);
     let compiler = counted.compiler_line();
     if old.lines().any(|line| line.starts_with(COMPILER) && line != compiler) {
-        // Another compiler makes other instructions of the same C, and that is not our doing.
+        // Another version of the C compiler generates other instructions from the same C; that is not a
+        // change of ours.
         changed.retain(|line| !line.starts_with("[floor.") && !line.contains(COMPILER));
         closing.push(format!("floor not compared: the golden figures are not of {}", counted.compiler));
     }
@@ -65,13 +69,13 @@ fn path(root: &Path) -> PathBuf {
     root.join("tests/golden/instructions.toml")
 }
 
-/// What was counted of one thing.
+/// Counts of one item.
 pub(crate) struct Row {
-    /// Kind and name, with a point between.
+    /// Kind and name, separated by a point.
     pub(crate) name: String,
     ticks: u64,
     total: u64,
-    /// Of one tick.
+    /// Largest count of one tick.
     pub(crate) worst: u64,
 }
 
@@ -92,7 +96,7 @@ impl Row {
         Some(Self { name, ticks, total, worst })
     }
 
-    /// Of a tick.
+    /// Mean count of a tick.
     pub(crate) fn average(&self) -> f64 {
         self.total as f64 / self.ticks.max(1) as f64
     }
@@ -103,18 +107,18 @@ const COMPILER: &str = "floor_compiler";
 
 /// Everything that was counted.
 pub(crate) struct Counted {
-    /// In the order in which it was counted.
+    /// Rows in the order in which they were counted.
     pub(crate) rows: Vec<Row>,
-    /// Name and bytes.
+    /// Names and sizes in bytes.
     pub(crate) memory: Vec<(String, u64)>,
-    /// What runs in `running.*`.
+    /// Descriptions of the runs in `running.*`.
     labels: Vec<String>,
-    /// The floor's.
+    /// Compiler of the floor.
     pub(crate) compiler: String,
 }
 
 impl Counted {
-    /// With the images built, runs them.
+    /// Runs images that are built.
     pub(crate) fn new(root: &Path) -> Result<Self, String> {
         let running = Running::record(&install::target_directory(root).join("running"))?;
         let compiler = floor::compiler_version()?;
@@ -137,12 +141,12 @@ impl Counted {
         Ok(counted)
     }
 
-    /// The row of that kind and name.
+    /// Returns the row of that kind and name.
     pub(crate) fn row(&self, name: &str) -> Option<&Row> {
         self.rows.iter().find(|row| row.name == name)
     }
 
-    /// Lines of a program: rows, `bytes NAME NUMBER`, and what is only for the eye.
+    /// Reads the lines of a program: rows, `bytes NAME NUMBER`, and notes that are only printed.
     fn read(&mut self, text: &str) -> Result<(), String> {
         for line in text.lines().filter(|line| !line.starts_with("bracket ")) {
             let invalid = || format!("not a row: {line}");
@@ -186,7 +190,7 @@ impl Counted {
     }
 }
 
-/// What an image prints.
+/// Runs an image; returns its output.
 fn image(root: &Path, image: Image, arguments: &[String]) -> Result<String, String> {
     let mut command = qemu::counting(&image.path(root), arguments);
     let output = command.output().map_err(|error| format!("{}: {error}", qemu::PROGRAM))?;
@@ -206,7 +210,7 @@ fn table(rows: &[Row]) -> String {
     text
 }
 
-/// The figures to quote: a motor that just runs beside the bare tick, and the worst tick of all.
+/// Returns the figures to quote: a running motor beside the bare tick, and the worst tick of all.
 fn closing(rows: &[Row]) -> Vec<String> {
     let row = |name: String| rows.iter().find(|row| row.name == name);
     let mut lines: Vec<String> = ["hall", "sensorless"]
@@ -223,7 +227,7 @@ fn closing(rows: &[Row]) -> Vec<String> {
     lines
 }
 
-/// The lines in which the golden file is another one, each under its heading.
+/// Returns the lines in which the golden file differs, each with its heading.
 fn differences(old: &str, fresh: &str) -> Vec<String> {
     let entries = |text: &str| -> Vec<(String, String)> {
         let mut heading = String::new();

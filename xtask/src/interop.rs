@@ -1,5 +1,6 @@
-//! What other people's tools make of our files: python-can reads the logs and commands the virtual drive, cantools reads the
-//! database, xmlschema the description, python-canopen the EDS of the TX-Driver, with which it commands TX-Drivers on the virtual drive's bus.
+//! Tests of our files with other people's tools: python-can reads the logs and commands the virtual drive,
+//! cantools reads the database, xmlschema the description, python-canopen the EDS of the TX-Driver, with
+//! which it commands TX-Drivers on the virtual drive's bus.
 
 use crate::steps::{self, Outcome};
 use crate::{dbc, decoded, install};
@@ -36,10 +37,10 @@ pub fn run(root: &Path) -> Outcome {
     )
 }
 
-/// Writes what the tests read, but the demonstration.
+/// Writes the files that the tests read, except the demonstration's.
 ///
 /// # Errors
-/// The folder cannot be written.
+/// Fails if the folder cannot be written.
 pub fn write_samples(directory: &Path) -> std::io::Result<()> {
     fs::create_dir_all(directory)?;
     write_logs(directory)?;
@@ -48,7 +49,7 @@ pub fn write_samples(directory: &Path) -> std::io::Result<()> {
     fs::write(directory.join("description.xml"), description())
 }
 
-/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
+/// Writes a candump log of frames as they came over the simulated bus, and the same frames as a table.
 fn write_logs(directory: &Path) -> std::io::Result<()> {
     let mut bus = Bus::<2, 64>::new(500_000);
     let (Some(sender), Some(receiver)) = (bus.attach(), bus.attach()) else {
@@ -79,8 +80,9 @@ fn write_logs(directory: &Path) -> std::io::Result<()> {
     fs::write(directory.join("frames.csv"), table)
 }
 
-/// The drive's request word, then data and remote frames of every length with both kinds of identifier, among them
-/// small 29-bit identifiers, which only their digits tell from 11-bit ones.
+/// Returns the drive's request word, then data and remote frames of every length with both kinds of
+/// identifier. Some have small 29-bit identifiers, which only the number of digits distinguishes from 11-bit
+/// ones.
 fn sample_frames() -> Vec<Frame> {
     let bytes = [0x00, 0x01, 0x7f, 0x80, 0xff, 0x10, 0x0a, 0xa0];
     let mut frames = vec![(Id::extended(0x0AAD_5202), [0, 0, 0, 1, 0, 0, 0, 0].as_slice(), None)];
@@ -104,7 +106,8 @@ fn sample_frames() -> Vec<Frame> {
         .collect()
 }
 
-/// Random frames of every message, with a line for each signal of the database: what core's decoders read.
+/// Returns random frames of every message, with a line for each signal of the database: the value that core's
+/// decoders read.
 fn decoded_frames() -> String {
     let mut random = Random::new(1);
     let mut table = String::from("id,data,signal,value\n");
@@ -112,7 +115,7 @@ fn decoded_frames() -> String {
         let count = if message.fields().count() == 0 { 1 } else { 300 };
         for _ in 0..count {
             let frame = decoded::random_frame(message, &mut || random.bits());
-            // An acknowledgement that is none.
+            // Some random values are not an acknowledgement.
             let Ok(values) = decoded::values(message, &frame) else { continue };
             let data: String = frame.payload().iter().map(|byte| format!("{byte:02x}")).collect();
             let id = frame.id().raw();
@@ -125,7 +128,7 @@ fn decoded_frames() -> String {
     table
 }
 
-/// The description as a master downloads it: words in their place, cut at the length that was answered.
+/// Downloads the description like a master: words in their place, cut at the length in the answer.
 fn description() -> Vec<u8> {
     let mut node = Node::with_parameters(Identity::default(), Board::BENCH, Parameters::new());
     let mut ask = |command| {

@@ -1,4 +1,4 @@
-//! What the developer commands are made of.
+//! Parts of the developer commands.
 
 pub mod archive;
 pub mod audit;

@@ -6,12 +6,12 @@ use crate::steps::{self, Outcome};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a C library is for: this machine or a processor.
+/// Targets of a C library: this machine (`None`) and every processor.
 pub const ALL: [Option<Processor>; 3] = [None, Some(Processor::CortexM4F), Some(Processor::CortexM0)];
 
 /// `libnarx.a`.
 pub const NARX: Library = Library { package: "narx-ffi", name: "narx" };
-/// The same with a simulated motor: `libnarx_bench.a`.
+/// `libnarx_bench.a`: the same with a simulated motor.
 pub const BENCH: Library = Library { package: "narx-c-bench", name: "narx_bench" };
 
 /// A static library of ours.
@@ -22,10 +22,10 @@ pub struct Library {
 }
 
 impl Library {
-    /// Builds it as released.
+    /// Builds it in its release profile.
     ///
     /// # Errors
-    /// What the compiler said.
+    /// Fails with the compiler's message.
     pub fn build(self, root: &Path, processor: Option<Processor>) -> Outcome {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--quiet", "--release", "-p", self.package, "--lib"]);
@@ -38,12 +38,12 @@ impl Library {
         steps::run(cargo.args(["--crate-type", kinds]).current_dir(root))
     }
 
-    /// The shared library of this machine.
+    /// Path of the shared library of this machine.
     pub fn shared(self, root: &Path) -> PathBuf {
         target_directory(root).join("release").join(format!("lib{}.so", self.name))
     }
 
-    /// Where it stands then.
+    /// Path of the built library.
     pub fn path(self, root: &Path, processor: Option<Processor>) -> PathBuf {
         let mut path = target_directory(root);
         path.extend(processor.map(Processor::target));

@@ -1,4 +1,4 @@
-//! Every developer command of narx: `cargo xtask help` lists them.
+//! Developer commands of narx: `cargo xtask help` lists them.
 
 use clap::{Parser, Subcommand};
 use std::path::Path;
@@ -43,46 +43,52 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Job {
-    /// The main job: a motor starts, reaches its speed and holds it
+    /// Run the demonstration: a motor starts, reaches its speed and holds it
     Demo(demo::Arguments),
-    /// A virtual drive in real time, its CAN bus as slcan for python-can and its like
+    /// Run a virtual drive in real time, with its CAN bus as slcan for python-can and similar tools
     Drive(drive::Arguments),
-    /// Measure what narx promises and what it costs: one table, each figure with its goal and the command that measures it again; written to target/bench.json
+    /// Measure what narx promises and what it costs: one table, each figure with its goal and the command
+    /// that measures it again; written to target/bench.json
     Bench(bench::Arguments),
     /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
     Speed {
-        /// From Python, beside a loop in numba, motulator and gym-electric-motor
+        /// Measure from Python instead, beside a loop in numba, motulator and gym-electric-motor
         #[arg(long)]
         python: bool,
     },
-    /// Measure control quality: the promises on every preset and on random motors, as percentiles; made anew: docs/evidence/quality.json
+    /// Measure control quality: the promises on every preset and on random motors, as percentiles; writes
+    /// docs/evidence/quality.json
     Quality(quality::Arguments),
-    /// Let everything go wrong at once, and watch what may never happen; with `--hours 100 --out docs/evidence` made anew: docs/evidence/worlds.json
+    /// Simulate many simultaneous faults, and check what may never happen; `--hours 100 --out docs/evidence`
+    /// writes docs/evidence/worlds.json
     Worlds(worlds::Arguments),
     /// Test everything, or one target; installs what that needs
     Test {
-        /// What to test; without a name everything
+        /// Target to test; without a name everything
         target: Option<Target>,
     },
     /// Build the C library for every target, and pack it with header, CMake package and examples
     Archive,
     /// Check licences, sources and bans of every crate, with cargo-deny
     Audit,
-    /// Measure which branches of the core the Rust tests take, with llvm-cov; made anew: docs/evidence/branches.json
+    /// Measure which branches of the core the Rust tests take, with llvm-cov; writes
+    /// docs/evidence/branches.json
     Branches(branches::Arguments),
     /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
     Callgrind {
-        /// Write nothing; fail if a figure is another one
+        /// Write nothing; fail if a figure differs
         #[arg(long)]
         check: bool,
     },
-    /// Measure where the sensorless start succeeds and where not any more; made anew: docs/evidence/starts.json, certificate.svg
+    /// Measure where the sensorless start succeeds and where it fails; writes docs/evidence/starts.json and
+    /// certificate.svg
     Certificate(certificate::Arguments),
-    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest; made anew: docs/evidence/conformance.json
+    /// Replay arbitrary recordings on every target that `test` has built, and compare every digest; writes
+    /// docs/evidence/conformance.json
     Conformance(parity::Arguments),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
-        /// Write nothing; fail if the page is out of date or names what does not exist
+        /// Write nothing; fail if the page is out of date or names an item that does not exist
         #[arg(long)]
         check: bool,
     },
@@ -100,7 +106,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Take the effect of each row of the specification out, and see whether its tests notice; made anew: tests/effects.toml
+    /// Disable the effect of each row of the specification, and check that its tests fail; writes
+    /// tests/effects.toml
     Effects(effects::Arguments),
     /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
     Evidence {
@@ -112,14 +119,15 @@ enum Job {
     Firmware(firmware::Arguments),
     /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
     Instructions {
-        /// Write nothing; fail if a figure is another one
+        /// Write nothing; fail if a figure differs
         #[arg(long)]
         check: bool,
     },
-    /// Look for inputs that break a promise, with libFuzzer; or give both nodes every identifier
+    /// Search for inputs that break a promise, with libFuzzer; or give both nodes every identifier
     Fuzz(fuzz::Arguments),
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, inputs of the fuzzers, the
-    /// CAN database, EDS, the C header, type declarations, golden figures
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md,
+    /// snapshots, inputs of the fuzzers, the CAN database, EDS, the C header, type declarations, golden
+    /// figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
     Header {
@@ -127,28 +135,30 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
+    /// Test our files and the virtual drive with other people's tools: a part of `test rust`
     Interop,
-    /// Change the code one place at a time and see whether a test fails, with cargo-mutants; made anew with `--out docs/evidence`: mutants.json
+    /// Change the code one place at a time and check that a test fails, with cargo-mutants; `--out
+    /// docs/evidence` writes mutants.json there
     Mutants(mutants::Arguments),
     /// Sign a program for the bootloader, or make a key
     Sign(sign::Arguments),
-    /// Prove what no linked program may contain, and make tests/golden/proof.toml anew: panics, floating point, stack, unsafe
+    /// Prove what no linked program may contain (panics, floating point, unsafe), and the depth of its stack;
+    /// makes tests/golden/proof.toml anew
     Proof {
-        /// Write nothing; fail if a figure or a name is another one
+        /// Write nothing; fail if a figure or a name differs
         #[arg(long)]
         check: bool,
     },
-    /// Make tests/golden/ffi_sizes.toml and small_board.toml anew: flash, RAM and instructions of the C library, whole and by parts; flash of the
-    /// core on a small board
+    /// Make tests/golden/ffi_sizes.toml and small_board.toml anew: flash, RAM and instructions of the C
+    /// library, whole and by parts; flash of the core on a small board
     Sizes {
-        /// Write nothing; fail if a figure is another one
+        /// Write nothing; fail if a figure differs
         #[arg(long)]
         check: bool,
     },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
-        /// Write nothing; fail if a recording differs from what its scenario gives
+        /// Write nothing; fail if a recording differs from the one that its scenario gives
         #[arg(long)]
         check: bool,
     },
@@ -196,7 +206,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs tests of a package that write what they would compare.
+/// Runs tests of a package in the mode in which they write what they otherwise compare.
 fn update(root: &Path, tests: &[&str]) -> Outcome {
     let mut cargo = Command::new("cargo");
     run(cargo
@@ -207,11 +217,12 @@ fn update(root: &Path, tests: &[&str]) -> Outcome {
         .env("INSTA_UPDATE", "always"))
 }
 
-/// What the tests would complain of, written anew. What changed shows in `git diff`, and belongs into a review.
+/// Writes anew every file that the tests compare. `git diff` shows the changes, which must be reviewed.
 fn generate(root: &Path) -> ExitCode {
     run_all(vec![
         Step::new("vectors", move || vectors::regenerate(root, false)),
-        // The tests that compare documents, snapshots and the fuzzers' first inputs write them when told so.
+        // With this environment the tests write documents, snapshots and the fuzzers' first inputs instead
+        // of comparing them.
         Step::new("documents", move || {
             update(root, &["narx-tests", "--test", "protocol", "--test", "eddycan"])
         }),

@@ -1,4 +1,5 @@
-//! Other people's control, counted on the emulated Cortex-M4F as ours is: the image of `firmware/others`.
+//! Control by other people's crates, counted on the emulated Cortex-M4F as ours is: the image of
+//! `firmware/others`.
 
 use crate::steps::{self, Outcome};
 use crate::test::rust::EMBEDDED;
@@ -6,21 +7,21 @@ use crate::{driven, install, qemu};
 use std::path::Path;
 use std::process::Command;
 
-/// A controller and what a call of it takes.
+/// A controller and the instructions that a call of it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counted {
-    /// Its crate and what of it.
+    /// Crate, and the part of it that is called.
     pub name: String,
-    /// Instructions of a call, on average.
+    /// Mean number of instructions of a call.
     pub average: f64,
-    /// Of one call, the most.
+    /// Largest number of instructions of a call.
     pub worst: u32,
 }
 
 /// Builds the image and runs it.
 ///
 /// # Errors
-/// What compiler or emulator said, or which controller does not do its work.
+/// Fails with the message of compiler or emulator, or with a controller that does not do its work.
 pub fn count(root: &Path) -> Result<Vec<Counted>, String> {
     install::rust_target(EMBEDDED)?;
     let build = ["build", "--quiet", "--release", "-p", "narx-others", "--target", EMBEDDED];
@@ -31,16 +32,16 @@ pub fn count(root: &Path) -> Result<Vec<Counted>, String> {
     if rows.is_empty() { Err(format!("no rows in: {text}")) } else { Ok(rows) }
 }
 
-/// The same as a step of the tests: that they still are what they are compared for.
+/// Counts as a step of the tests: checks that the controllers still do the work for which they are compared.
 ///
 /// # Errors
-/// As [`count`].
+/// Those of [`count`].
 pub fn check(root: &Path) -> Outcome {
     let line = |row: Counted| format!("{}: {:.0} instructions a call", row.name, row.average);
     count(root).map(|rows| rows.into_iter().map(line).collect())
 }
 
-/// `other NAME TICKS TOTAL WORST`.
+/// Parses `other NAME TICKS TOTAL WORST`.
 fn parse(line: &str) -> Option<Counted> {
     let mut words = line.strip_prefix("other ")?.split_whitespace();
     let name = words.next()?.to_owned();

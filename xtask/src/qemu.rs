@@ -1,17 +1,17 @@
-//! An emulated microcontroller that runs a program as if it were one of the host's: arguments, files, output and exit code
-//! by semihosting.
+//! An emulated microcontroller that runs a program as if it were one of the host's: arguments, files, output
+//! and exit code go by semihosting.
 
 use crate::install::Package;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The emulator; Debian has it in the package of this name.
+/// Name of the emulator; Debian's package has the same name.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// That package.
+/// Package of the emulator.
 pub const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRAM };
 
-/// What is emulated. All have flash at 0 and RAM at 2000_0000h.
+/// An emulated machine. All have flash at 0 and RAM at 2000_0000h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine {
     /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each, and 16 MB of PSRAM at 2100_0000h.
@@ -21,7 +21,7 @@ pub enum Machine {
 }
 
 impl Machine {
-    /// As the emulator calls it.
+    /// Name that the emulator uses.
     const fn name(self) -> &'static str {
         match self {
             Self::Mps2M4 => "mps2-an386",
@@ -29,7 +29,7 @@ impl Machine {
         }
     }
 
-    /// The linker script of C programs, in `tests/c`.
+    /// Linker script of C programs, in `tests/c`.
     pub const fn memory(self) -> &'static str {
         match self {
             Self::Mps2M4 => "mps2.ld",
@@ -38,27 +38,29 @@ impl Machine {
     }
 }
 
-/// A run on a Cortex-M4F of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it
-/// is given, relative to the directory in which the emulator starts; what it prints is the emulator's standard output.
+/// Runs the image `elf` on a Cortex-M4F with `arguments` after its own name. The image opens files of the
+/// host by the given names, relative to the directory in which the emulator starts; its output is the
+/// emulator's standard output.
 ///
-/// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives as something
-/// else.
+/// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives
+/// changed.
 pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     semihosting_on(Machine::Mps2M4, elf, arguments)
 }
 
-/// The same on any machine.
+/// Runs an image on any machine, as [`semihosting`] does.
 pub fn semihosting_on(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     emulator(machine, elf, arguments, "none")
 }
 
-/// The same with a TCP server at the image's serial port, port `port` of this machine. The image starts when somebody
-/// connects.
+/// Runs an image as [`semihosting`] does, with a TCP server at its serial port: port `port` of this machine.
+/// The image starts when a client connects.
 pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
     emulator(Machine::Mps2M4, elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 
-/// The same, with the file `flash` of 16 MB as the machine's PSRAM: what is written there is in the file when the emulator is gone, however it went.
+/// Runs an image as [`with_serial_port`] does, with the file `flash` of 16 MB as the machine's PSRAM: bytes
+/// that are written there stay in the file after the emulator has ended, in whatever way it ended.
 pub fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
     let mut command = with_serial_port(elf, &[] as &[&str], port);
     let memory = format!("memory-backend-file,id=flash,size=16M,share=on,mem-path={flash}");
@@ -66,7 +68,8 @@ pub fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
     command
 }
 
-/// A closed run in which one instruction takes exactly 2^7 ns of the machine's time, whatever the host does.
+/// Runs an image in a closed run in which one instruction takes exactly 2^7 ns of the machine's time,
+/// whatever the host does.
 pub fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     let mut command = semihosting(elf, arguments);
     command.args(["-icount", "shift=7,sleep=off"]);
@@ -77,7 +80,7 @@ fn emulator(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>], serial:
     let name = elf.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut config = String::from("enable=on,target=native,chardev=semihosting");
     for argument in [name.as_str()].into_iter().chain(arguments.iter().map(AsRef::as_ref)) {
-        // In the emulator's options a comma is written twice.
+        // The emulator's options write a comma twice.
         config.push_str(",arg=");
         config.push_str(&argument.replace(',', ",,"));
     }

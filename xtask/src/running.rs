@@ -1,4 +1,5 @@
-//! The demonstration's motor that just runs: recordings whose ticks are counted, made on the bench when they are needed.
+//! The demonstration's motor in steady running: recordings whose ticks are counted, made on the bench when
+//! they are needed.
 
 use crate::demo;
 use narx_core::motor::State;
@@ -9,7 +10,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Power-up to the end, simulated s.
+/// Simulated time from power-up to the end, s.
 const SECONDS: f64 = 3.0;
 /// Largest difference from the set-point at the end, as a share of it.
 const TOLERANCE: f64 = 0.02;
@@ -17,9 +18,9 @@ const TOLERANCE: f64 = 0.02;
 /// One motor at one set-point in hall mode, and without sensors.
 #[derive(Clone, Debug)]
 pub struct Running {
-    /// The recordings.
+    /// Paths of the recordings.
     pub paths: Vec<PathBuf>,
-    /// What runs, for the eye: a line for each.
+    /// Descriptions of the runs to print: a line for each.
     pub labels: Vec<String>,
     /// The motor's electrical speed, mHz.
     pub millihertz: u32,
@@ -29,7 +30,7 @@ impl Running {
     /// Runs both and writes their recordings into `directory`.
     ///
     /// # Errors
-    /// A motor that is not at its set-point at the end, or a file that cannot be written.
+    /// Fails if a motor is not at its set-point at the end, or a file cannot be written.
     pub fn record(directory: &Path) -> Result<Self, String> {
         let (sensorless, rpm) = demo::session(&["--mode", "sensorless"])?;
         let (hall, _) = demo::session(&["--mode", "hall", "--rpm", &rpm.to_string()])?;
@@ -49,14 +50,14 @@ impl Running {
     }
 }
 
-/// Power-up, start, run; the recording.
+/// Powers up, starts and runs; returns the recording.
 fn run(config: SessionConfig, rpm: i32) -> Result<Vec<u8>, String> {
     let mut session =
         Session::new(&SessionConfig { trace: false, ..config }).map_err(|error| error.to_string())?;
     let state = match config.mode {
         Mode::Hall => State::HallClosedLoop,
         Mode::Sensorless | Mode::OpenLoop => {
-            // A motor for sensorless control has no sensors: its lines are dead.
+            // A motor for sensorless control has no sensors: its hall lines are dead.
             for line in [Phase::A, Phase::B, Phase::C] {
                 session.bench_mut().plant_mut().inject(Injection::HallStuck { line, high: false });
             }
@@ -66,7 +67,7 @@ fn run(config: SessionConfig, rpm: i32) -> Result<Vec<u8>, String> {
     session.start(rpm);
     while session.bench().time() < SECONDS {
         session.step();
-        // Nobody looks at the bus.
+        // The frames on the bus are not used.
         while session.bench_mut().receive().is_some() {}
         while session.bench_mut().overhear().is_some() {}
     }

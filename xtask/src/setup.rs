@@ -1,4 +1,4 @@
-//! What stands on the bench: motor, mode, supply and load, as typed and checked before anything runs.
+//! Set-up of the bench: motor, mode, supply and load, as typed and checked before anything runs.
 
 use clap::Args;
 use narx_sim::commissioning::{Commissioning, Mode};
@@ -6,8 +6,8 @@ use narx_sim::presets::{PRESETS, Preset, preset};
 use narx_sim::session::SessionConfig;
 use std::fmt;
 
-/// Arguments that every command with a bench takes: numbers are checked here, so that every refusal is one line.
-// Those that it stands in have a group of this name already.
+/// Arguments of every command with a bench. Numbers are checked here, so that every refusal is one line.
+// The structs that contain it already have a group of this name.
 #[derive(Args, Clone, Debug)]
 #[group(skip)]
 pub struct Arguments {
@@ -25,19 +25,19 @@ pub struct Arguments {
     pub load: String,
 }
 
-/// A bench that can be.
+/// A checked set-up of a bench.
 #[derive(Debug)]
 pub(crate) struct Setup {
     pub(crate) preset: &'static Preset,
     pub(crate) mode: Mode,
     pub(crate) supply: f64,
     pub(crate) load: f64,
-    /// What the drive's limits leave of the motor.
+    /// Range of the motor within the drive's limits.
     pub(crate) range: Commissioning,
     pub(crate) session: SessionConfig,
 }
 
-/// Why it cannot be: names the argument, its value and what is allowed, in one line.
+/// Reason for a refusal in one line: the argument, its value and the allowed values.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Refused(pub(crate) String);
 
@@ -96,7 +96,7 @@ fn mode(name: &str) -> Result<Mode, Refused> {
     }
 }
 
-/// A finite number within `min..=max`.
+/// Parses a finite number within `min..=max`.
 pub(crate) fn number(argument: &str, text: &str, min: f64, max: f64, unit: &str) -> Result<f64, Refused> {
     let value = text.parse::<f64>().ok().filter(|value| (min..=max).contains(value));
     value.ok_or_else(|| Refused(format!("{argument} {text}: must be a number from {min} to {max} {unit}")))

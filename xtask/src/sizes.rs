@@ -1,4 +1,5 @@
-//! Flash and RAM of the C library, whole and of each part alone, and what a step costs: golden figures in `tests/golden/ffi_sizes.toml`.
+//! Flash and RAM of the C library, whole and of each part alone, and the cost of a step: golden figures in
+//! `tests/golden/ffi_sizes.toml`.
 
 use crate::cross::{self, Processor};
 use crate::driven::output;
@@ -11,7 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Largest difference from the golden figure, as a share of it, or as a few instructions: compilers and linkers round and pad differently.
+/// Largest difference from the golden figure, as a share of it, or as a few instructions: compilers and
+/// linkers round and pad differently.
 pub(crate) const TOLERANCE: f64 = 0.01;
 const FEW: f64 = 3.0;
 const GOLDEN: &str = "tests/golden/ffi_sizes.toml";
@@ -23,7 +25,7 @@ const HEAD: &str = "\
 # Made anew by `cargo xtask sizes`, compared within 1 % by `cargo xtask test ffi`.
 ";
 
-/// A part of the interface: its name, what its calls begin with, and its object.
+/// Parts of the interface: name, prefixes of its calls, and its object.
 const PARTS: [(&str, &[&str], Option<&str>); 16] = [
     ("formats", &["narx_q1", "narx_iq24", "narx_milli"], None),
     ("pi", &["narx_pi_"], Some("narx_pi_t")),
@@ -43,19 +45,19 @@ const PARTS: [(&str, &[&str], Option<&str>); 16] = [
     ("whole", &["narx_"], None),
 ];
 
-/// Builds the libraries first.
+/// Builds the libraries, then measures them.
 ///
 /// # Errors
-/// Those of [`regenerate`], and what the compiler said.
+/// Those of [`regenerate`], and the compiler's message.
 pub fn generate(root: &Path, check: bool) -> Outcome {
     Processor::ALL.iter().try_for_each(|processor| NARX.build(root, Some(*processor)).map(drop))?;
     regenerate(root, check)
 }
 
-/// Measures libraries that are built, and writes the golden file or with `check` compares it.
+/// Measures libraries that are built, and writes the golden file or, with `check`, compares it.
 ///
 /// # Errors
-/// A figure is not the golden one.
+/// Fails if a figure differs from the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     let mut text = String::from(HEAD);
@@ -74,17 +76,17 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if wrong.is_empty() { Ok(closing) } else { Err(wrong.join("\n")) }
 }
 
-/// Builds the library and measures its parts: a table of each.
+/// Builds the library and measures its parts; returns a table of each.
 ///
 /// # Errors
-/// What a compiler said.
+/// Fails with the compiler's message.
 pub(crate) fn measured(root: &Path, processor: Processor) -> Result<toml::Table, String> {
     NARX.build(root, Some(processor))?;
     let (text, _) = table(root, processor)?;
     text.parse().map_err(|error| format!("{GOLDEN}: {error}"))
 }
 
-/// A line for each part of a library that is built, and one to close with.
+/// Returns a line for each part of a library that is built, and a closing line.
 fn table(root: &Path, processor: Processor) -> Result<(String, String), String> {
     let directory = target_directory(root).join("c");
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
@@ -106,7 +108,7 @@ fn table(root: &Path, processor: Processor) -> Result<(String, String), String> 
     Ok((text, line.replacen("flash,", "flash:", 1)))
 }
 
-/// What differs from the golden file.
+/// Differences from the golden file.
 fn misses(golden: &str, now: &str) -> Vec<String> {
     let parse = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
     let (golden, now) = (parse(golden), parse(now));
@@ -135,7 +137,7 @@ fn begins(call: &str, prefixes: &[&str]) -> bool {
     prefixes.iter().any(|prefix| call.starts_with(prefix))
 }
 
-/// Every call of the header.
+/// Names of all calls of the header.
 fn calls(header: &str) -> Vec<String> {
     let name = |line: &str| {
         let (before, _) = line.split_once('(')?;
@@ -145,10 +147,11 @@ fn calls(header: &str) -> Vec<String> {
     header.lines().filter(|line| !line.starts_with([' ', '#', '/'])).filter_map(name).collect()
 }
 
-/// Links a program of the calls of narx.h that `uses` has, with the library that is built; says where it is.
+/// Links a program of the calls of narx.h that `uses` selects with the library that is built; returns its
+/// path.
 ///
 /// # Errors
-/// What the linker said.
+/// Fails with the linker's message.
 pub fn link(root: &Path, processor: Processor, uses: impl Fn(&str) -> bool) -> Result<PathBuf, String> {
     let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
     program(root, processor, calls.iter().filter(|call| uses(call)))
@@ -166,13 +169,13 @@ fn program<'a>(
     linker.args(processor.options()).args(["-nostdlib", "-Wl,--gc-sections,-z,noexecstack"]);
     linker.args(calls.clone().map(|call| format!("-Wl,--undefined={call}")));
     linker.args(calls.take(1).map(|call| format!("-Wl,--entry={call}")));
-    // What the compiler needs of itself, on a processor that cannot divide.
+    // The compiler's own functions, on a processor that cannot divide.
     linker.arg(NARX.path(root, Some(processor))).arg("-lgcc").arg("-o").arg(&program);
     output(&mut linker)?;
     Ok(program)
 }
 
-/// Code and constants of a program that uses these calls.
+/// Code and constants of a program with these calls, bytes.
 fn flash<'a>(
     root: &Path,
     processor: Processor,
@@ -183,14 +186,14 @@ fn flash<'a>(
     let figures = text.lines().nth(1).unwrap_or_default().split_whitespace();
     let figures: Vec<u64> = figures.map_while(|figure| figure.parse().ok()).collect();
     match figures[..] {
-        // The library has no variables: what the whole of it says at the head of narx.h.
+        // The library has no variables, as the head of narx.h says of it.
         [text, 0, 0, ..] => Ok(text),
         [_, data, bss, ..] => Err(format!("the library has variables: {data} + {bss} bytes")),
         _ => Err(format!("arm-none-eabi-size: {text}")),
     }
 }
 
-/// Bytes of an object.
+/// Size of an object, bytes.
 fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
     let directory = target_directory(root).join("c");
     let (source, compiled) = (directory.join("size.c"), directory.join("size.o"));
@@ -204,7 +207,7 @@ fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| format!("arm-none-eabi-nm: {symbols}"))
 }
 
-/// Instructions of the steps, mean and worst: what `tests/c/cost.c` counts.
+/// Mean and worst number of instructions of each step, counted by `tests/c/cost.c`.
 fn costs(root: &Path, processor: Processor) -> Result<Vec<(String, u64, u64)>, String> {
     install::debian(&[qemu::PACKAGE])?;
     let program = target_directory(root).join("c/cost.elf");

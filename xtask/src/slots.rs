@@ -1,4 +1,4 @@
-//! Images for the slots of the emulated board, signed with the key that everybody knows.
+//! Images for the slots of the emulated board, signed with the public test key.
 
 use crate::firmware::Image;
 use crate::install;
@@ -9,19 +9,20 @@ use narx_boot::{Version, hardware};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A key that no board believes.
+/// A key that no board accepts.
 const FOREIGN: SecretKey = SecretKey([7; 32]);
 
-/// Where [`make`] leaves the images.
+/// Folder in which [`make`] leaves the images.
 pub fn directory(root: &Path) -> PathBuf {
     install::target_directory(root).join("slots")
 }
 
-/// Makes images of the virtual drive: `old` and `new`, and one like the latter by a `foreign` key. And `idle`, short enough to be sent in seconds: a program
-/// that stands still, which nobody can confirm.
+/// Makes images of the virtual drive: `old` and `new`, and `foreign`, which is like `new` but signed by a
+/// foreign key. Also makes `idle`, short enough to be sent in seconds: a program that only loops, so that
+/// nothing can confirm it.
 ///
 /// # Errors
-/// What signing said.
+/// Fails with the message of the signing.
 pub fn make(root: &Path) -> Outcome {
     let directory = directory(root);
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
@@ -41,7 +42,7 @@ pub fn make(root: &Path) -> Outcome {
     Ok(lines)
 }
 
-/// Vectors of stack and reset, a branch to itself, and bytes of all kinds.
+/// Program with the vectors of stack and reset, a branch to itself, and bytes of all kinds.
 fn idle_program() -> Vec<u8> {
     const ENTRY: u32 = 0x2100_0200;
     const BRANCH_TO_ITSELF: u16 = 0xE7FE;

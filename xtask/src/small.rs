@@ -1,4 +1,5 @@
-//! Flash of the core on a small board, and what each feature adds to it: golden figures in `tests/golden/small_board.toml`.
+//! Flash of the core on a small board, and the bytes that each feature adds to it: golden figures in
+//! `tests/golden/small_board.toml`.
 
 use crate::driven::output;
 use crate::install::{self, target_directory};
@@ -23,10 +24,10 @@ const HEAD: &str = "\
 const FEATURES: [&str; 7] =
     ["names", "description", "log", "scope", "recorder", "hall-calibration", "accelerometer"];
 
-/// Measures, and writes the golden file or with `check` compares the two figures that say most.
+/// Measures, and writes the golden file or, with `check`, compares the two main figures.
 ///
 /// # Errors
-/// What the compiler said, or a figure is not the golden one.
+/// Fails with the compiler's message, or if a figure differs from the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let (least, every) = least_and_every(root)?;
     let path = root.join(GOLDEN);
@@ -49,17 +50,17 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     Ok(vec![format!("flash of the core on a small board: {least}, with every feature {every}")])
 }
 
-/// Without features, and with all of them.
+/// Flash without features, and with all of them, bytes.
 ///
 /// # Errors
-/// What the compiler said.
+/// Fails with the compiler's message.
 pub(crate) fn least_and_every(root: &Path) -> Result<(i64, i64), String> {
     install::rust_target(EMBEDDED)?;
     install::debian(&cross::PACKAGES)?;
     Ok((flash(root, &[])?, flash(root, &FEATURES)?))
 }
 
-/// Code and constants with these features of the core.
+/// Code and constants with these features of the core, bytes.
 fn flash(root: &Path, features: &[&str]) -> Result<i64, String> {
     let features: Vec<_> = features.iter().map(|feature| format!("narx-core/{feature}")).collect();
     let mut build = Command::new("cargo");

@@ -1,32 +1,32 @@
-//! Steps of a command: each named and timed, with the closing lines of what it ran.
+//! Steps of a command: each named and timed, with the closing lines of the programs that it ran.
 
 use std::io::{self, BufRead, BufReader, PipeReader};
 use std::path::Path;
 use std::process::{Child, Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-/// The closing lines of a step that went well, or why it did not.
+/// Closing lines of a step that succeeded, or the reason why it failed.
 pub type Outcome = Result<Vec<String>, String>;
 
-/// Something to do.
+/// A step to run.
 pub struct Step<'a> {
     name: &'static str,
     run: Box<dyn FnOnce() -> Outcome + 'a>,
 }
 
 impl<'a> Step<'a> {
-    /// A step that runs `run`.
+    /// Builds a step that runs `run`.
     pub fn new(name: &'static str, run: impl FnOnce() -> Outcome + 'a) -> Self {
         Self { name, run: Box::new(run) }
     }
 
-    /// A step that runs a program in `directory`.
+    /// Builds a step that runs a program in `directory`.
     pub fn command(directory: &'a Path, name: &'static str, program: &'a str, arguments: &'a [&str]) -> Self {
         Self::new(name, move || run(Command::new(program).args(arguments).current_dir(directory)))
     }
 }
 
-/// The end of a command of one step: its closing lines, or why it failed.
+/// Ends a command of one step: prints its closing lines, or the reason why it failed.
 pub fn finish(outcome: Outcome) -> ExitCode {
     match outcome {
         Ok(lines) => {
@@ -40,7 +40,7 @@ pub fn finish(outcome: Outcome) -> ExitCode {
     }
 }
 
-/// Runs all steps, goes on after one that fails, and ends with a table of what they came to.
+/// Runs all steps, goes on after one that fails, and ends with a table of their results.
 pub fn run_all(steps: Vec<Step<'_>>) -> ExitCode {
     let mut results: Vec<(&str, Duration, Outcome)> = Vec::new();
     for step in steps {
@@ -64,7 +64,7 @@ pub fn run_all(steps: Vec<Step<'_>>) -> ExitCode {
     if results.iter().all(|(_, _, outcome)| outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Runs a program, shows what it prints, and keeps the lines in which test runners sum up.
+/// Runs a program, shows its output, and keeps the lines in which test runners sum up.
 pub fn run(command: &mut Command) -> Outcome {
     let program = command.get_program().display().to_string();
     let (mut child, output) = start(command).map_err(|error| format!("{program} did not start: {error}"))?;
@@ -94,7 +94,7 @@ pub fn run(command: &mut Command) -> Outcome {
 fn start(command: &mut Command) -> io::Result<(Child, PipeReader)> {
     let (reader, writer) = io::pipe()?;
     let child = command.stdout(writer.try_clone()?).stderr(writer).spawn();
-    // The command would hold its ends open, and reading would never end.
+    // The command would hold its ends of the pipe open, and reading would never end.
     command.stdout(Stdio::null()).stderr(Stdio::null());
     Ok((child?, reader))
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{env, fs};
 
-/// What browsers run.
+/// Target of browsers.
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Packages, their profiles and what `narx-wasm-pack` makes of them, in the order in which it takes them.
+/// Packages, their profiles and the modules that `narx-wasm-pack` makes of them, in the order in which it
+/// takes them.
 const MODULES: [(&str, &str, &str); 5] = [
     ("narx-wasm", "wasm", "narx"),
     ("narx-wasm-core", SMALL, "core"),
@@ -19,8 +20,8 @@ const MODULES: [(&str, &str, &str); 5] = [
 ];
 const SMALL: &str = "wasm-small";
 
-/// What rustc and wasm-bindgen use, and Node 20 and browsers of 2022 know; `--all-features` makes modules that only the
-/// newest engines load.
+/// Features that rustc and wasm-bindgen use, and that Node 20 and browsers of 2022 support; `--all-features`
+/// makes modules that only the newest engines load.
 const FEATURES: [&str; 8] = [
     "--enable-bulk-memory",
     "--enable-bulk-memory-opt",
@@ -35,7 +36,7 @@ const FEATURES: [&str; 8] = [
 /// Arguments of `web`.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub struct Arguments {
-    /// Serve the page on this computer when it is built
+    /// Serve the page on this computer after the build
     #[arg(long)]
     serve: bool,
     /// Port to serve on
@@ -43,7 +44,7 @@ pub struct Arguments {
     port: u16,
 }
 
-/// Builds the page, and serves it if asked.
+/// Builds the page, and serves it on request.
 pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
     let built = run_all(build(root));
     if arguments.serve && built == ExitCode::SUCCESS {
@@ -58,7 +59,7 @@ pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
     built
 }
 
-/// The steps that build everything: packages in `wasm/pkg`, the page in `wasm/web/dist`.
+/// Steps that build everything: packages in `wasm/pkg`, the page in `wasm/web/dist`.
 pub fn build(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("wasm tools", move || {
@@ -75,10 +76,11 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
     ]
 }
 
-/// Type declarations, committed so that they are reviewed; with `check`, that they are what the code gives.
+/// Writes the type declarations, which are committed so that they are reviewed; with `check` compares them
+/// with those that the code gives.
 ///
 /// # Errors
-/// What is out of date, or what could not be read.
+/// Fails with a file that is out of date, or that cannot be read.
 pub fn declarations(root: &Path, check: bool) -> Outcome {
     for name in ["narx.d.ts", "core.d.ts", "lab.d.ts"] {
         let (made, kept) = (root.join("wasm/pkg/web").join(name), root.join("wasm").join(name));
@@ -92,10 +94,10 @@ pub fn declarations(root: &Path, check: bool) -> Outcome {
     Ok(Vec::new())
 }
 
-/// What is generated and committed: type declarations and golden sizes, from a fresh build.
+/// Writes the generated and committed files, type declarations and golden sizes, from a fresh build.
 ///
 /// # Errors
-/// What could not be built.
+/// Fails with a part that cannot be built.
 pub fn generate(root: &Path) -> Outcome {
     package(root)?;
     declarations(root, false)?;
@@ -107,10 +109,10 @@ pub fn generate(root: &Path) -> Outcome {
     )
 }
 
-/// The packages in `wasm/pkg`, without the page.
+/// Builds the packages in `wasm/pkg`, without the page.
 ///
 /// # Errors
-/// What could not be built.
+/// Fails with a part that cannot be built.
 pub fn package(root: &Path) -> Outcome {
     install::rust_target(TARGET)?;
     install::npm(&root.join("wasm/web"))?;
@@ -118,8 +120,9 @@ pub fn package(root: &Path) -> Outcome {
     packages(root)
 }
 
-/// The modules as the compiler leaves them. Names of folders outside the project would differ on every machine. Each is built by itself, because they want
-/// other features of core.
+/// Builds the modules as the compiler leaves them. Names of folders outside the project are replaced, because
+/// they would differ on every machine. Each module is built by itself, because each needs other features of
+/// core.
 fn modules(root: &Path) -> Outcome {
     let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
     if let Some(cargo) = cargo_home() {
@@ -136,7 +139,7 @@ fn modules(root: &Path) -> Outcome {
     Ok(Vec::new())
 }
 
-/// JavaScript around the modules, the modules made small, and the TypeScript over them.
+/// Generates the JavaScript around the modules, shrinks the modules, and compiles the TypeScript over them.
 fn packages(root: &Path) -> Outcome {
     let built = target_directory(root).join(TARGET);
     let directory = root.join("wasm/pkg");
@@ -152,7 +155,8 @@ fn packages(root: &Path) -> Outcome {
         let module = format!("{name}_bg.wasm");
         let file = web.join(&module);
         let mut optimise = Command::new(tools.join("wasm-opt"));
-        // The stack lies first in memory, so no address of an object is a small number: that is what `low-memory-unused` may assume.
+        // The stack lies first in memory, so no address of an object is a small number:
+        // `low-memory-unused` may assume that.
         optimise
             .args(["-Os", "--converge", "--low-memory-unused"])
             .args(FEATURES)
@@ -160,11 +164,12 @@ fn packages(root: &Path) -> Outcome {
             .arg("-o")
             .arg(&file);
         if profile == SMALL {
-            // Larger, and compressed a fortieth smaller: functions that are called once look more alike when they stand by themselves.
+            // The module gets larger but, compressed, 1/40 smaller: functions that are called once look
+            // more alike as functions of their own.
             optimise.args(["--one-caller-inline-max-function-size", "20"]);
         }
         steps::run(&mut optimise)?;
-        // Both packages have the same module, in other JavaScript.
+        // Both packages have the same module, with other JavaScript.
         fs::copy(&file, node.join(&module)).map_err(|error| format!("{}: {error}", file.display()))?;
     }
     for package in [&web, &node] {
@@ -174,8 +179,8 @@ fn packages(root: &Path) -> Outcome {
     Ok(Vec::new())
 }
 
-/// Node, for whatever calls our modules often: Node 20 ends with "unreachable code" now and then, where it has inlined a call of WebAssembly that returns
-/// an object.
+/// Node, for programs that call our modules often: Node 20 ends with "unreachable code" now and then, where
+/// it has inlined a call of WebAssembly that returns an object.
 pub fn node() -> Command {
     let mut command = Command::new("node");
     command.arg("--no-turbo-inline-js-wasm-calls");

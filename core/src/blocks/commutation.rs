@@ -1,6 +1,7 @@
 //! Six-step commutation from a rotor position.
 //!
-//! The table alone (which step gives torque in which sector, which leg it switches, which floats) is [`Step`].
+//! The table alone (which step gives torque in which sector, which leg it switches, which floats) is
+//! [`Step`].
 
 use super::error::{SettingError, within};
 use super::{Position, turn_of_centidegrees};
@@ -34,8 +35,9 @@ impl Commutation {
         Ok(Self { coefficients, station: Commutator::default() })
     }
 
-    /// Returns the step at the earliest instant of this period, and up to two changes later in it, for a rotor at `position` with torque in
-    /// direction `torque`. A rotor that seems to have fallen back by less than 15 degrees is not commutated back.
+    /// Returns the step at the earliest instant of this period, and up to two changes later in it, for a
+    /// rotor at `position` with torque in direction `torque`. A rotor that seems to have fallen back by less
+    /// than 15 degrees is not commutated back.
     pub fn step(&mut self, position: Position, torque: Direction) -> (Step, Commutations) {
         self.station.step(&self.coefficients, position.angle, position.speed, torque)
     }

@@ -33,8 +33,8 @@ pub struct FaultSettings {
     pub speed_max: ElectricalSpeed,
     /// Digital inputs that shut down.
     pub shutdown_lines: Lines,
-    /// Critical fault mask (parameter 115, 1 = critical); faults that protect the power stage are critical while driving in any
-    /// case.
+    /// Critical fault mask (parameter 115, 1 = critical); faults that protect the power stage are critical
+    /// while driving in any case.
     pub critical_mask: u32,
     /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms (parameter 265).
     pub hall_stall_ms: u32,
@@ -62,7 +62,8 @@ impl Default for FaultSettings {
 /// 10 000 rev/s.
 const SPEED_MAX: i32 = 10_000 << 16;
 
-/// The fault logic. A critical fault latches; [`acknowledge`](Self::acknowledge) clears it once its cause has gone.
+/// The fault logic. A critical fault latches; [`acknowledge`](Self::acknowledge) clears it once its cause has
+/// gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     coefficients: ProtectionCoefficients,
@@ -109,8 +110,8 @@ impl Fault {
         self.station.step(&self.coefficients, self.now, evidence)
     }
 
-    /// Follows a state change of the [`StateMachine`](super::StateMachine) beside it: a time-out and a failed boot are latched, leaving
-    /// Fault acknowledges, and sensors are judged anew in every driven episode.
+    /// Follows a state change of the [`StateMachine`](super::StateMachine) beside it: a time-out and a failed
+    /// boot are latched, leaving Fault acknowledges, and sensors are judged anew in every driven episode.
     pub fn handle_change(&mut self, change: &Change, evidence: &Evidence) {
         let (from, to) = (change.row.from, change.row.to);
         if change.timed_out {
@@ -126,7 +127,8 @@ impl Fault {
         }
     }
 
-    /// Clears the latched faults and returns true if none of their causes is present any more; else does nothing.
+    /// Clears the latched faults and returns true if none of their causes is present any more; else does
+    /// nothing.
     pub fn acknowledge(&mut self) -> bool {
         let gone = self.causes_gone();
         if gone {

@@ -24,7 +24,8 @@ pub struct HallSettings {
     pub offset_cdeg: i32,
     /// No edge for this long means standstill, 1 to 65 535 ms (parameter 113), and no more than 65 535 ticks.
     pub timeout_ms: u32,
-    /// Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector stands for all of it.
+    /// Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector
+    /// stands for all of it.
     pub interpolation_min: ElectricalSpeed,
     /// Edges are time-stamped; else only the level is read, once a tick.
     pub captured: bool,
@@ -58,11 +59,13 @@ pub struct HallReading {
     pub events: HallEvents,
     /// No edge for the time-out: standstill.
     pub stopped: bool,
-    /// The rotor seems to have jumped or reversed at speed, or the code stays invalid: torque by this position could act in any direction.
+    /// The rotor seems to have jumped or reversed at speed, or the code stays invalid: torque by this
+    /// position could act in any direction.
     pub doubtful: bool,
 }
 
-/// The hall station: sector, angle and speed. A single glitch is debounced and counted; [`Fault`](super::Fault) decides when glitches are a fault.
+/// The hall station: sector, angle and speed. A single glitch is debounced and counted;
+/// [`Fault`](super::Fault) decides when glitches are a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hall {
     coefficients: HallCoefficients,
@@ -98,8 +101,8 @@ impl Hall {
         Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), now: Instant::default(), station })
     }
 
-    /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the edges of the period that has ended, oldest first; only
-    /// the first [`EDGES_MAX`] count.
+    /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the edges of the period that
+    /// has ended, oldest first; only the first [`EDGES_MAX`] count.
     pub fn step(&mut self, code: u8, edges: &[Edge]) -> HallReading {
         let edges = edges.iter().copied().take(EDGES_MAX).collect();
         let samples = Samples { hall: code, edges, ..Samples::default() };

@@ -1,8 +1,10 @@
-//! The stations of the drive, one by one: for teaching, for tests, and for a driver of one's own that wants one part of this one.
+//! The stations of the drive, one by one: for teaching, for tests, and for a driver of one's own that wants
+//! one part of this one.
 //!
-//! A block is a station of [`motor`](crate::motor) together with its coefficients. Its settings are engineering figures; `build` checks them, and an
-//! error names the setting, its value and its range. `step` cannot fail. It calls the very station that the drive calls, so a block answers what a
-//! drive with the same figures answers, bit for bit.
+//! A block is a station of [`motor`](crate::motor) together with its coefficients. Its settings are
+//! engineering figures; `build` checks them, and an error names the setting, its value and its range. `step`
+//! cannot fail. It calls the very station that the drive calls, so a block answers what a drive with the same
+//! figures answers, bit for bit.
 //!
 //! ```text
 //!  codes, edges ----> Hall ----------+                             voltages, currents, lines
@@ -12,8 +14,8 @@
 //!  set-point -> Ramp -> error -> Pi -> voltage                     request -> StateMachine --> state
 //! ```
 //!
-//! Quantities are raw I16F16 (1 is 65 536) of the unit that is named, angles u32 turns (2^32 is a turn), speeds of a [`Position`] 2^-32 turn a tick, ages
-//! 1/65 536 tick. A block is called once a tick.
+//! Quantities are raw I16F16 (1 is 65 536) of the unit that is named, angles u32 turns (2^32 is a turn),
+//! speeds of a [`Position`] 2^-32 turn a tick, ages 1/65 536 tick. A block is called once a tick.
 
 mod commutation;
 mod error;

@@ -19,8 +19,8 @@ pub struct PiSettings {
     pub maximum: i32,
 }
 
-/// A PI controller: `u = Kp e + integral of Ki e dt`, within its limits. The integrator has 16 fraction bits more than the output, and
-/// never holds more than brings the output to a limit.
+/// A PI controller: `u = Kp e + integral of Ki e dt`, within its limits. The integrator has 16 fraction bits
+/// more than the output, and never holds more than brings the output to a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pi {
     gains: PiGains,
@@ -33,7 +33,8 @@ impl Pi {
     /// A controller at rest: its integrator is 0.
     ///
     /// # Errors
-    /// The setting that is out of range; an integral gain whose share of one step keeps fewer than [`SIGNIFICANT_BITS`] bits.
+    /// The setting that is out of range; an integral gain whose share of one step keeps fewer than
+    /// [`SIGNIFICANT_BITS`] bits.
     pub fn build(settings: &PiSettings) -> Result<Self, SettingError> {
         let PiSettings { proportional, integral, step_rate, minimum, maximum } = *settings;
         within("step_rate", step_rate.into(), 1, 1_000_000, "Hz")?;
@@ -61,8 +62,9 @@ impl Pi {
         self.station.step(&self.gains, error, self.minimum, self.maximum)
     }
 
-    /// Follows the output `applied` (raw I16F16) that something else decided in this step, whose error was `error`: the integrator goes an
-    /// eighth of the way to the value that would have given `applied`, so that the controller takes over again without a bump.
+    /// Follows the output `applied` (raw I16F16) that something else decided in this step, whose error was
+    /// `error`: the integrator goes an eighth of the way to the value that would have given `applied`, so
+    /// that the controller takes over again without a bump.
     pub fn track(&mut self, applied: i32, error: i32) {
         self.station.track(&self.gains, applied, error);
     }

@@ -12,7 +12,8 @@ pub struct RampSettings {
     pub step_rate: u32,
 }
 
-/// A value that approaches its target by at most a rate: `y += clamp(target - y, -rate dt, rate dt)`, with 16 more fraction bits than it shows.
+/// A value that approaches its target by at most a rate: `y += clamp(target - y, -rate dt, rate dt)`, with 16
+/// more fraction bits than it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ramp {
     /// Largest change of one step, raw I16F16 with 16 extra bits.

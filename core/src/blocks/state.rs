@@ -52,7 +52,8 @@ impl Default for StateSettings {
     }
 }
 
-/// The eight states with the memory around the transition table: time in the state, the fresh request, the modes and direction of a start, acknowledgement.
+/// The eight states with the memory around the transition table: time in the state, the fresh request, the
+/// modes and direction of a start, acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMachine {
     coefficients: MachineCoefficients,
@@ -86,7 +87,8 @@ impl StateMachine {
         Ok(Self { coefficients, now: Instant::default(), station: Machine::default() })
     }
 
-    /// Takes a command; it restarts the time-out. Standby acknowledges a fault, Drive and Reverse start the motor if Standby was requested before.
+    /// Takes a command; it restarts the time-out. Standby acknowledges a fault, Drive and Reverse start the
+    /// motor if Standby was requested before.
     pub fn handle_command(&mut self, command: Command) {
         self.station.handle_command(self.now, command);
     }

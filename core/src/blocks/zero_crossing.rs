@@ -1,4 +1,5 @@
-//! Zero crossings: terminals of a driven or coasting motor to crossing, angle, speed and the next commutation.
+//! Zero crossings: terminals of a driven or coasting motor to crossing, angle, speed and the next
+//! commutation.
 
 use super::commutation::{self, CommutationSettings};
 use super::error::{SettingError, within};
@@ -30,7 +31,8 @@ pub struct ZeroCrossingSettings {
     pub noise_codes: u8,
     /// Least blanking after a commutation, 0 to 100 000 us (parameter 86).
     pub blanking_us: u32,
-    /// Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next commutation.
+    /// Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next
+    /// commutation.
     pub commutation: CommutationSettings,
     /// Comparators with captured edges take the place of samples.
     pub comparator: bool,
@@ -38,7 +40,8 @@ pub struct ZeroCrossingSettings {
     pub delay_rising_us: i32,
     /// Delay of a falling crossing, -10 000 to 10 000 us.
     pub delay_falling_us: i32,
-    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time crossings are not corrected for their threshold.
+    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time
+    /// crossings are not corrected for their threshold.
     pub back_emf_uv_per_rpm: u32,
     /// Pole pairs, 1 to 100.
     pub pole_pairs: u16,
@@ -47,7 +50,8 @@ pub struct ZeroCrossingSettings {
 }
 
 impl Default for ZeroCrossingSettings {
-    /// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not known.
+    /// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance,
+    /// 500 ticks; the back-EMF is not known.
     fn default() -> Self {
         Self {
             tick_rate: 10_000,
@@ -69,8 +73,8 @@ impl Default for ZeroCrossingSettings {
 /// Reading of the terminals after a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ZeroCrossingReading {
-    /// Age of a crossing that was seen in this tick: time from it to the present boundary, 1/65 536 tick; negative is
-    /// after the boundary.
+    /// Age of a crossing that was seen in this tick: time from it to the present boundary, 1/65 536 tick;
+    /// negative is after the boundary.
     pub crossing: Option<i32>,
     /// Outcome of the last step's crossing.
     pub why: Why,
@@ -80,15 +84,15 @@ pub struct ZeroCrossingReading {
     pub accepted: u32,
     /// Angle and speed at the present boundary, for a [`Commutation`](super::Commutation).
     pub position: Position,
-    /// Electrical speed, signed, over up to a revolution, limited by the time for which the next crossing has not come; 0 while
-    /// unknown.
+    /// Electrical speed, signed, over up to a revolution, limited by the time for which the next crossing has
+    /// not come; 0 while unknown.
     pub speed: ElectricalSpeed,
     /// Time from the present boundary to the next commutation, 1/65 536 tick: 0 is now, `None` is unknown.
     pub commutation: Option<u32>,
     /// Six consistent crossings of both polarities: the position may close a loop.
     pub running: bool,
-    /// Reason why this episode ends in this tick: stalled (blind, late or silent for too long), or out of step. The bridge must be
-    /// switched off.
+    /// Reason why this episode ends in this tick: stalled (blind, late or silent for too long), or out of
+    /// step. The bridge must be switched off.
     pub lost: Rail,
 }
 
@@ -104,8 +108,9 @@ enum Mode {
     Running,
 }
 
-/// The back-EMF of the floating phase and the estimator behind it, without a start sequence: [`start`](Self::start) after the rotor was aligned, or let it
-/// listen to a coasting motor until it is `running`.
+/// The back-EMF of the floating phase and the estimator behind it, without a start sequence:
+/// [`start`](Self::start) after the rotor was aligned, or let it listen to a coasting motor until it is
+/// `running`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ZeroCrossing {
     coefficients: BackEmfCoefficients,
@@ -180,9 +185,9 @@ impl ZeroCrossing {
         self.estimator.force_step();
     }
 
-    /// Runs one tick with the samples (phase and bus voltages with their mode, edges of comparators) and the command that was `applied` in
-    /// the period that has ended, with torque in direction `torque`. Of `applied` the step, the commutations and the sampling instant
-    /// count.
+    /// Runs one tick with the samples (phase and bus voltages with their mode, edges of comparators) and the
+    /// command that was `applied` in the period that has ended, with torque in direction `torque`. Of
+    /// `applied` the step, the commutations and the sampling instant count.
     pub fn step(
         &mut self,
         samples: &Samples,
@@ -248,7 +253,8 @@ impl ZeroCrossing {
         }
     }
 
-    /// Gives the estimator the observation in the step of `sector`; returns the age of a crossing that it accepts.
+    /// Gives the estimator the observation in the step of `sector`; returns the age of a crossing that it
+    /// accepts.
     fn take(&mut self, sector: u8, sight: Sight) -> Option<i32> {
         let (now, starting) = (self.now, self.mode == Mode::Starting);
         match sight {

@@ -1,4 +1,5 @@
-//! Lines of a log as `candump -L` of can-utils writes them, which python-can and most analysers read and write, too.
+//! Lines of a log as `candump -L` of can-utils writes them, which python-can and most analysers read and
+//! write, too.
 //!
 //! ```text
 //!  (1436509052.249713) can0 1A2#DEADBEEF           11-bit identifier
@@ -205,8 +206,8 @@ fn seconds(text: &[u8]) -> Option<f64> {
     })
 }
 
-/// Parses digits with or without a point, up to 2^53 when the point is removed: one division of two exact numbers then
-/// rounds once, and correctly.
+/// Parses digits with or without a point, up to 2^53 when the point is removed: one division of two exact
+/// numbers then rounds once, and correctly.
 fn plain_seconds(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
     if text.len() > 18 {

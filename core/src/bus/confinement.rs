@@ -10,7 +10,8 @@ pub enum ErrorState {
     Active,
     /// An error counter has passed 127: takes part, but its error flags no longer disturb others.
     Passive,
-    /// The transmit error counter has passed 255: takes no part until it has seen 128 times 11 recessive bits.
+    /// The transmit error counter has passed 255: takes no part until it has seen 128 times 11 recessive
+    /// bits.
     BusOff,
 }
 

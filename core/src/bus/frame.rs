@@ -71,7 +71,8 @@ impl Id {
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct Frame {
-    /// The identifier in its serialised form: a frame then takes 16 bytes instead of 20, and there are dozens in queues.
+    /// The identifier in its serialised form: a frame then takes 16 bytes instead of 20, and there are dozens
+    /// in queues.
     id: u32,
     remote: bool,
     length: u8,

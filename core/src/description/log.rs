@@ -17,7 +17,8 @@ pub struct LogEntry {
     pub per_value: bool,
 }
 
-/// The parts of a record in their order: `storage::Record` in words. The CRC is that of ISO-HDLC (zlib), over all bytes before it.
+/// The parts of a record in their order: `storage::Record` in words. The CRC is that of ISO-HDLC (zlib), over
+/// all bytes before it.
 pub const LOG_RECORD: [LogEntry; 8] = [
     entry("Start marker", Kind::U16).of(number::LOGGING_START, number::LOGGING_START),
     entry("Record number", Kind::U32).of(number::LOGGING_PACKAGE, number::LOGGING_PACKAGE),

@@ -1,5 +1,6 @@
-//! The description that the drive serves: an XML document of its parameters, messages, states, faults, scope signals and
-//! log records. It is rendered from the tables as it is streamed, so there is no copy of it in memory.
+//! The description that the drive serves: an XML document of its parameters, messages, states, faults, scope
+//! signals and log records. It is rendered from the tables as it is streamed, so there is no copy of it in
+//! memory.
 //!
 //! ```text
 //!   SECTIONS --line by line--> Window --bytes--> frames
@@ -7,8 +8,8 @@
 //!      +-- dictionary, MESSAGES, Cause::TABLE ...    Cursor: line, bytes of it that are gone
 //! ```
 //!
-//! A line is rendered anew for each piece that is read of it. That costs time, of which a drive has plenty during a download, and
-//! saves memory, which is scarce. `docs/narx.xsd` is the document's schema.
+//! A line is rendered anew for each piece that is read of it. That costs time, of which a drive has plenty
+//! during a download, and saves memory, which is scarce. `docs/narx.xsd` is the document's schema.
 
 mod identity;
 mod log;
@@ -47,7 +48,8 @@ pub struct Cursor {
 }
 
 impl Document {
-    /// Reads on from `cursor` into `out`; returns the number of bytes, which is less than `out` holds only at the end.
+    /// Reads on from `cursor` into `out`; returns the number of bytes, which is less than `out` holds only at
+    /// the end.
     pub fn read(&self, cursor: &mut Cursor, out: &mut [u8]) -> usize {
         let mut filled = 0;
         while let Some(room) = out.get_mut(filled..).filter(|room| !room.is_empty())

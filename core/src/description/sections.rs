@@ -1,6 +1,7 @@
 //! The lines of the document: a head, the rows of each table between its tags, and the end.
 //!
-//! Texts of the tables are written without escaping: none has a character of markup (`tests/protocol/description.rs`).
+//! Texts of the tables are written without escaping: none has a character of markup
+//! (`tests/protocol/description.rs`).
 
 use super::{Document, FORMAT, LOG_RECORD, LogEntry};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};

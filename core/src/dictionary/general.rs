@@ -255,8 +255,8 @@ pub(super) const GENERAL: [Row; 78] = [
         .about("1 when the log memory is full."),
 ];
 
-/// One of the 37 values of a log record: bits 15:0 the number of a parameter (65535: nothing), bits 17:16 which
-/// value of it since the record before: 0 live, 1 smallest, 2 largest, 3 mean.
+/// One of the 37 values of a log record: bits 15:0 the number of a parameter (65535: nothing), bits 17:16
+/// which value of it since the record before: 0 live, 1 smallest, 2 largest, 3 mean.
 const fn slot(number: u16, name: &'static str) -> Row {
     Row::new(number, name, LoggingData, U32).range(0, 0x3_FFFF).factory(0xFFFF).about(
         "Logged value: bits 15:0 parameter number (65535 nothing), bits 17:16 live 0, smallest 1, largest 2, mean 3.",

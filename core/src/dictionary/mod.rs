@@ -1,6 +1,6 @@
 //! The dictionary: every parameter of the drive with its number, name, unit, scale, range, factory value and
-//! access. The rows in `general`, `control` and `own` are the one place where these facts stand; coefficients,
-//! node, bindings and documents are made from them.
+//! access. The rows in `general`, `control` and `own` are the one place where these facts stand;
+//! coefficients, node, bindings and documents are made from them.
 
 mod category;
 mod control;
@@ -59,8 +59,9 @@ impl Dictionary {
     }
 }
 
-/// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm, from its raw value and the motor's pole pairs. The factory value
-/// is for four pole pairs (Table 2): while it is unchanged, the limit is scaled by 4 / pole pairs (parameter 78).
+/// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm, from its raw value and the motor's
+/// pole pairs. The factory value is for four pole pairs (Table 2): while it is unchanged, the limit is scaled
+/// by 4 / pole pairs (parameter 78).
 pub fn speed_limit(number: u16, raw: i32, pole_pairs: i32) -> i32 {
     const FIRST: u16 = number::SPEED_MAX_SL;
     const LAST: u16 = number::SPEED_MIN_HES;

@@ -6,8 +6,9 @@ use super::row::Place;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// All properties of one parameter except its value. Range and factory value are places in a table of the few distinct numbers, and texts
-/// are only in a build that has use for them: the table is in the flash of every board.
+/// All properties of one parameter except its value. Range and factory value are places in a table of the few
+/// distinct numbers, and texts are only in a build that has use for them: the table is in the flash of every
+/// board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub(super) min: Place,
@@ -77,7 +78,8 @@ impl Kind {
         }
     }
 
-    /// The 32 bits that mean a number of this kind; an error of the compiler for any other number in the table.
+    /// The 32 bits that mean a number of this kind; an error of the compiler for any other number in the
+    /// table.
     pub(super) const fn narrow(self, number: i64) -> i32 {
         assert!(number >= self.smallest() && number <= self.largest());
         number as i32
@@ -182,7 +184,8 @@ impl Parameter {
         self.default.number()
     }
 
-    /// Returns whether its value is kept over a restart: not that of a command, nor one that the drive itself writes.
+    /// Returns whether its value is kept over a restart: not that of a command, nor one that the drive itself
+    /// writes.
     pub(crate) const fn is_stored(&self) -> bool {
         !matches!(self.access, Access::ReadOnly) && !self.command
     }

@@ -7,8 +7,8 @@ use core::fmt;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// A value for every row of the dictionary, each within its range. Serialises as the raw values in the order of
-/// the rows.
+/// A value for every row of the dictionary, each within its range. Serialises as the raw values in the order
+/// of the rows.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Raw", into = "Raw")]
 pub struct Parameters([i32; PARAMETER_COUNT]);
@@ -49,8 +49,8 @@ impl Parameters {
         self.0.get(Dictionary::index(number)?).copied()
     }
 
-    /// The raw value of a parameter that exists, for code that acts on it; `number` is a constant of [`super::number`]. 0 for any other
-    /// number.
+    /// The raw value of a parameter that exists, for code that acts on it; `number` is a constant of
+    /// [`super::number`]. 0 for any other number.
     pub fn raw(&self, number: u16) -> i32 {
         if blind::to("parameter", number.into()) {
             return Dictionary::row(number).map_or(0, Parameter::factory_raw);
@@ -63,13 +63,14 @@ impl Parameters {
         self.raw(number) as u32
     }
 
-    /// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm; the raw value of any other parameter.
+    /// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm; the raw value of any other
+    /// parameter.
     pub fn speed_limit(&self, number: u16) -> i32 {
         super::speed_limit(number, self.raw(number), self.raw(super::number::MOTOR_POLE_PAIRS))
     }
 
-    /// Sets a raw value within its range. The node checks write access; whether values fit each other is checked
-    /// when coefficients are built from them.
+    /// Sets a raw value within its range. The node checks write access; whether values fit each other is
+    /// checked when coefficients are built from them.
     ///
     /// # Errors
     /// Unknown number, or a value outside the range; nothing has changed then.

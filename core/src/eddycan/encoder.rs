@@ -24,8 +24,9 @@ impl Encoder {
         self.gone = 0;
     }
 
-    /// Value for a PDO: of a rotary encoder the position in the revolution, of a linear one the distance, limited to 16 bits.
-    /// Counting goes on beyond the limits, so the value is right again when the encoder comes back.
+    /// Value for a PDO: of a rotary encoder the position in the revolution, of a linear one the distance,
+    /// limited to 16 bits. Counting goes on beyond the limits, so the value is right again when the encoder
+    /// comes back.
     pub(super) fn value(&self, setup: EncoderSetup) -> u16 {
         let gone = if setup.reverse { self.gone.saturating_neg() } else { self.gone };
         match setup.counts_per_revolution {

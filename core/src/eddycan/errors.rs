@@ -49,8 +49,8 @@ impl Errors {
         Some(code)
     }
 
-    /// Notes that the controller has gone off the bus and its frames are dropped. A node's own frames put it off the bus, so messages that
-    /// the controller was given within the last second may be among them.
+    /// Notes that the controller has gone off the bus and its frames are dropped. A node's own frames put it
+    /// off the bus, so messages that the controller was given within the last second may be among them.
     pub(super) fn lose(&mut self, now: u64) {
         for reports in &mut self.codes {
             if reports.report == Report::None && now < reports.quiet_until {
@@ -59,8 +59,8 @@ impl Errors {
         }
     }
 
-    /// Notes that a frame has arrived: the bus works, so lost messages are sent again. Without a received frame they are not: a node at a
-    /// wrong bitrate would go on destroying the frames of others.
+    /// Notes that a frame has arrived: the bus works, so lost messages are sent again. Without a received
+    /// frame they are not: a node at a wrong bitrate would go on destroying the frames of others.
     pub(super) fn hear(&mut self) {
         for reports in &mut self.codes {
             if reports.report == Report::Lost {

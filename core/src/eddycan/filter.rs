@@ -1,4 +1,5 @@
-//! A low-pass of first order: y += (x - y) (1 - exp(-2 pi f / rate)), whose answer to a step is exact at every rate.
+//! A low-pass of first order: y += (x - y) (1 - exp(-2 pi f / rate)), whose answer to a step is exact at
+//! every rate.
 
 /// 1.
 const ONE: u64 = 1 << 32;
@@ -33,7 +34,8 @@ impl Filter {
         // Between output and input, because the coefficient is at most 1.
         let moved = (i128::from(output) + ((distance * i128::from(self.coefficient)) >> 32)) as i64;
         self.output = Some(moved);
-        // To the nearest: an output that creeps towards its input from below arrives. Below the largest position by half a step it cannot wrap.
+        // To the nearest: an output that creeps towards its input from below arrives. Below the largest
+        // position by half a step it cannot wrap.
         (moved.saturating_add(1 << 31) >> 32) as i32
     }
 }

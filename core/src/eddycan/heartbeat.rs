@@ -11,8 +11,8 @@ pub(super) struct Heartbeat {
 }
 
 impl Heartbeat {
-    /// Returns whether a heartbeat is due. The first is due 2 s after the boot-up, but at once if the node has gone on to Operational
-    /// by itself. Missed heartbeats are not sent later.
+    /// Returns whether a heartbeat is due. The first is due 2 s after the boot-up, but at once if the node
+    /// has gone on to Operational by itself. Missed heartbeats are not sent later.
     pub(super) fn is_due(&mut self, now: u64, autostart: bool) -> bool {
         let Some(due) = self.due else {
             self.due = Some(now.saturating_add(PERIOD_US));

@@ -1,5 +1,6 @@
-//! The TX-Driver: an eddy-current displacement sensor's driver with one or two channels and an incremental encoder, as a node of an
-//! eddyCAN network. A pure state machine without a clock, a bus or a memory of its own.
+//! The TX-Driver: an eddy-current displacement sensor's driver with one or two channels and an incremental
+//! encoder, as a node of an eddyCAN network. A pure state machine without a clock, a bus or a memory of its
+//! own.
 //!
 //! ```text
 //!  frames ------ handle_frame --> +----------+ -- poll_frame --> frames
@@ -9,8 +10,8 @@
 //!  time ----------------- poll -> +----------+
 //! ```
 //!
-//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left. A shell that has been told to
-//! restart makes a new one from the stored configuration.
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing
+//! left. A shell that has been told to restart makes a new one from the stored configuration.
 
 mod comparator;
 mod configuration;
@@ -93,7 +94,8 @@ impl Restart {
 }
 
 impl TxDriver {
-    /// A device at power-up, with the configuration that was stored. The boot-up message is the first that it sends.
+    /// A device at power-up, with the configuration that was stored. The boot-up message is the first that it
+    /// sends.
     pub fn new(variant: Variant, configuration: Configuration) -> Self {
         let state = if configuration.autostart() { NmtState::Operational } else { NmtState::PreOperational };
         Self {
@@ -138,8 +140,8 @@ impl TxDriver {
         self.configuration.layout(self.variant.channels)
     }
 
-    /// Takes a frame that arrived at `now`, microseconds. A frame for another node or of another protocol changes nothing, except
-    /// that an error which was lost with the bus is sent again.
+    /// Takes a frame that arrived at `now`, microseconds. A frame for another node or of another protocol
+    /// changes nothing, except that an error which was lost with the bus is sent again.
     pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
         if self.restart != Restart::No {
             return;
@@ -165,8 +167,9 @@ impl TxDriver {
         self.sensing.take(sample, &self.variant, &self.configuration);
     }
 
-    /// Takes the state of the CAN controller, as often as the shell reads it. Off the bus no frame is handed out, and positions and answers
-    /// that wait are dropped; the shell must drop what waits in the controller. An error that was among that is sent again.
+    /// Takes the state of the CAN controller, as often as the shell reads it. Off the bus no frame is handed
+    /// out, and positions and answers that wait are dropped; the shell must drop what waits in the
+    /// controller. An error that was among that is sent again.
     pub fn handle_bus_state(&mut self, state: BusState) {
         let before = core::mem::replace(&mut self.bus, state);
         if before.error == ErrorState::Active && state.error == ErrorState::Passive {
@@ -180,7 +183,8 @@ impl TxDriver {
         }
     }
 
-    /// Takes the result of storing the configuration of [`Self::poll_store`]. A shell that could not read its memory at power-up passes false, too.
+    /// Takes the result of storing the configuration of [`Self::poll_store`]. A shell that could not read its
+    /// memory at power-up passes false, too.
     pub fn handle_store(&mut self, done: bool) {
         self.store.finish(done);
         if !done {
@@ -217,7 +221,8 @@ impl TxDriver {
         self.heartbeat.due().unwrap_or(self.now).min(timer).min(error)
     }
 
-    /// The next frame to send; none while the controller is off the bus, or when a restart has been asked for.
+    /// The next frame to send; none while the controller is off the bus, or when a restart has been asked
+    /// for.
     pub fn poll_frame(&mut self) -> Option<Frame> {
         if self.bus.is_off() || self.restart != Restart::No {
             return None;
@@ -232,13 +237,14 @@ impl TxDriver {
         due.then_some(self.configuration)
     }
 
-    /// The switching outputs: high while the position is above the comparator's value. Low before the first sample.
+    /// The switching outputs: high while the position is above the comparator's value. Low before the first
+    /// sample.
     pub const fn outputs(&self) -> [bool; 2] {
         self.sensing.outputs()
     }
 
-    /// Returns whether to restart the device now; true only once. Written values are stored by then, unless the memory has not answered for
-    /// a second.
+    /// Returns whether to restart the device now; true only once. Written values are stored by then, unless
+    /// the memory has not answered for a second.
     pub fn take_reset(&mut self) -> bool {
         let Restart::By(latest) = self.restart else { return false };
         let due = self.store.is_idle() || self.now >= latest;

@@ -24,7 +24,8 @@ impl TxDriver {
         }
     }
 
-    /// Enters a state and drops messages that it does not send. A command to enter the present state changes nothing.
+    /// Enters a state and drops messages that it does not send. A command to enter the present state changes
+    /// nothing.
     fn enter(&mut self, state: NmtState) {
         if state == self.state {
             return;

@@ -1,5 +1,5 @@
-//! The object dictionary (Table 4) as one table: name, range and effect of each entry. The SDO server, the tables of PROTOCOL.md
-//! and the EDS are made from it.
+//! The object dictionary (Table 4) as one table: name, range and effect of each entry. The SDO server, the
+//! tables of PROTOCOL.md and the EDS are made from it.
 
 use crate::blind;
 use crate::bus::eddycan::AbortCode;

@@ -1,5 +1,5 @@
-//! Messages that wait for the bus. Each kind has one place, answers have four: so nothing grows, and a newer message of a kind
-//! replaces an older one.
+//! Messages that wait for the bus. Each kind has one place, answers have four: so nothing grows, and a newer
+//! message of a kind replaces an older one.
 
 use super::errors::Errors;
 use crate::bus::eddycan::{FromNode, NmtState, PdoKind, Reading, SdoAnswer};
@@ -59,15 +59,16 @@ impl Outbox {
         self.answers.clear();
     }
 
-    /// Drops messages that would be out of date when the bus comes back. A waiting boot-up or error message is kept: it has not been sent yet.
+    /// Drops messages that would be out of date when the bus comes back. A waiting boot-up or error message
+    /// is kept: it has not been sent yet.
     pub(super) fn discard_present(&mut self) {
         self.discard_pdos();
         self.discard_answers();
         self.heartbeat = false;
     }
 
-    /// Takes the next message: boot-up, errors and heartbeat are rare and come first. PDOs and answers take turns, because either
-    /// could come so fast that the other would never be sent.
+    /// Takes the next message: boot-up, errors and heartbeat are rare and come first. PDOs and answers take
+    /// turns, because either could come so fast that the other would never be sent.
     pub(super) fn pop(&mut self, state: NmtState, now: u64) -> Option<FromNode> {
         if !core::mem::replace(&mut self.booted, true) {
             return Some(FromNode::Heartbeat(NmtState::BootUp));

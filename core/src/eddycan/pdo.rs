@@ -12,8 +12,8 @@ pub(super) struct Timer {
 }
 
 impl Timer {
-    /// Returns whether PDO1 is due; the first is due `offset` after the first call. If several were missed, only one is sent, and the next
-    /// comes at its regular time.
+    /// Returns whether PDO1 is due; the first is due `offset` after the first call. If several were missed,
+    /// only one is sent, and the next comes at its regular time.
     pub(super) fn is_due(&mut self, now: u64, period: Option<u64>, offset: u64) -> bool {
         let Some(period) = period.filter(|period| *period > 0) else { return false };
         let due = *self.due.get_or_insert(now.saturating_add(offset));
@@ -43,8 +43,9 @@ pub(super) fn period(configuration: &Configuration, layout: Layout, bitrate: Bit
     }
 }
 
-/// Delay of the first PDO1 after Operational is entered, microseconds. Nodes that share half of the bus take turns by their node-ids:
-/// started by one command they would all send at once, and a drive's frames would have to wait until up to 127 nodes have sent.
+/// Delay of the first PDO1 after Operational is entered, microseconds. Nodes that share half of the bus take
+/// turns by their node-ids: started by one command they would all send at once, and a drive's frames would
+/// have to wait until up to 127 nodes have sent.
 pub(super) fn offset(configuration: &Configuration, node: NodeId, period: Option<u64>) -> u64 {
     match (configuration.update_time(), period) {
         (UpdateTime::HalfLoad, Some(period)) => {

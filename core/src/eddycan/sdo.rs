@@ -5,8 +5,8 @@ use super::objects::{Access, Entry, Kind};
 use crate::bus::eddycan::{AbortCode, NmtState, SdoAction, SdoAnswer, SdoOutcome, SdoRequest, SdoValue};
 
 impl TxDriver {
-    /// Answers a request, unless the node is Stopped or the request is an abort. A request whose answer finds no room is not executed:
-    /// every executed request is confirmed.
+    /// Answers a request, unless the node is Stopped or the request is an abort. A request whose answer finds
+    /// no room is not executed: every executed request is confirmed.
     pub(super) fn handle_sdo(&mut self, request: SdoRequest) {
         let silent = matches!(request.action, SdoAction::Abort { .. }) || self.state == NmtState::Stopped;
         if silent || !self.outbox.has_room() {

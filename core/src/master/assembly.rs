@@ -30,7 +30,7 @@ impl Assembly {
         if bytes.is_multiple_of(6) && words > 0 && words <= WORDS_MAX { Some(words) } else { None }
     }
 
-    /// Whether the record at this place is being received.
+    /// Returns whether the record at this place is being received.
     pub(super) fn is_at(&self, place: u32) -> bool {
         self.place == Some(place)
     }
@@ -54,13 +54,13 @@ impl Assembly {
         true
     }
 
-    /// Whether all words of the record were received.
+    /// Returns whether all words of the record were received.
     pub(super) const fn is_complete(&self, words: u32) -> bool {
         u128::from_le_bytes(self.seen).count_ones() == words
     }
 
-    /// Whether the record is valid: it has this number and a correct CRC, or is all zeros, which the drive
-    /// sends in place of a record that it does not have.
+    /// Returns whether the record is valid: it has this number and a correct CRC, or is all zeros, which the
+    /// drive sends in place of a record that it does not have.
     pub(super) fn is_sound(&self, number: u32) -> bool {
         let hole = self.bytes.iter().all(|byte| *byte == 0);
         hole || Record::parse(&self.bytes).is_some_and(|record| record.index() == number)

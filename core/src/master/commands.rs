@@ -9,7 +9,7 @@ pub(super) struct Commands {
     mode: Option<MotorMode>,
     /// Magnitude, rpm.
     speed: u16,
-    /// When the next set-point is due, microseconds.
+    /// Time at which the next set-point is due, microseconds.
     due: u64,
     /// The request that follows its set-point.
     pending: Option<MotorMode>,
@@ -36,7 +36,7 @@ impl Commands {
         self.speed
     }
 
-    /// When the next frame is due.
+    /// Time at which the next frame is due.
     pub(super) const fn due(&self) -> u64 {
         if self.pending.is_some() { 0 } else { self.due }
     }

@@ -20,7 +20,7 @@ pub struct DescriptionError {
     pub reason: Reason,
 }
 
-/// Why a description cannot be read.
+/// Reason why a description cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// Markup that no description has.

@@ -117,7 +117,7 @@ impl Transfer {
         }
     }
 
-    /// Whether there is something to send.
+    /// Returns whether there is something to send.
     pub(super) fn is_sending(&self) -> bool {
         let waits = |stream: &Stream| stream.wants_room() && !self.chunks.is_empty();
         self.stream.as_ref().is_some_and(|stream| self.aborted || !(stream.is_listening() || waits(stream)))

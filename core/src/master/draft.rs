@@ -176,7 +176,7 @@ fn set<T>(name: &'static str, place: &mut Option<T>, value: Option<T>) -> Result
     Ok(())
 }
 
-/// Whether a text is the second of two words; `None` if it is neither.
+/// Returns true if a text is the second of two words, false if it is the first; `None` if it is neither.
 fn one_of(text: &str, [no, yes]: [&str; 2]) -> Option<bool> {
     if text == yes { Some(true) } else { (text == no).then_some(false) }
 }

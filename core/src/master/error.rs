@@ -4,7 +4,7 @@ use crate::bus::narmotion::ParameterStatus;
 use crate::dictionary::{Parameter, ParameterError};
 use core::fmt;
 
-/// Why a request was not done.
+/// Reason why a request was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestError {
     /// No answer to any attempt. A drive that refuses a reboot does not answer either.
@@ -30,7 +30,7 @@ pub struct Refusal {
     pub stored: i32,
 }
 
-/// Why the master does not take a request.
+/// Reason why the master does not take a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotTaken {
     /// The master is silent.
@@ -39,7 +39,7 @@ pub enum NotTaken {
     Full,
 }
 
-/// Why a download failed.
+/// Reason why a download failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DownloadError {
     /// The drive sends nothing, or nothing more, after all attempts.

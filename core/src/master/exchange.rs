@@ -39,7 +39,7 @@ pub(super) struct Exchange(Option<UnderWay>);
 struct UnderWay {
     message: ToDrive,
     owner: Owner,
-    /// When it was last sent, microseconds.
+    /// Time of the last transmission, microseconds.
     sent: u64,
     /// Attempts left.
     left: u8,

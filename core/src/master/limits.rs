@@ -92,8 +92,8 @@ impl SpeedLimits {
 }
 
 impl SpeedError {
-    /// Whether the drive runs at one speed only: open loop at parameter 88. It starts at that speed, and the
-    /// user should be told.
+    /// Returns whether the drive runs at one speed only: open loop at parameter 88. It starts at that speed,
+    /// and the user should be told.
     pub fn is_fixed(&self) -> bool {
         self.limits.min == self.limits.max
     }
@@ -106,7 +106,8 @@ impl SpeedError {
 }
 
 impl fmt::Display for SpeedError {
-    /// Value, parameter and range: `speed 3120 rpm is above parameter 101 "Speed setpoint max saturation SL": must be 500 to 2191 rpm`.
+    /// Value, parameter and range: `speed 3120 rpm is above parameter 101 "Speed setpoint max saturation SL":
+    /// must be 500 to 2191 rpm`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { rpm, limits: SpeedLimits { min, max } } = *self;
         write!(f, "speed {rpm} rpm")?;

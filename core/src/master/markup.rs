@@ -122,12 +122,12 @@ impl Markup {
         (&self.name, core::str::from_utf8(&self.value).unwrap_or_default())
     }
 
-    /// Whether these elements are open, from the root on.
+    /// Returns whether these elements are open, from the root on.
     pub(super) fn is_in(&self, path: &[&str]) -> bool {
         self.open.iter().map(String::as_str).eq(path.iter().copied())
     }
 
-    /// Whether the root element has ended.
+    /// Returns whether the root element has ended.
     pub(super) fn is_complete(&self) -> bool {
         self.begun && self.open.is_empty() && self.at == At::Text
     }
@@ -154,7 +154,7 @@ impl Markup {
     }
 }
 
-/// Whether a byte may occur in texts and values.
+/// Returns whether a byte may occur in texts and values.
 const fn is_text(byte: u8) -> bool {
     !byte.is_ascii_control() && !matches!(byte, b'<' | b'>' | b'&')
 }

@@ -35,7 +35,7 @@ impl Missing {
         self.0.iter().fold(0, |sum: u32, (begin, end)| sum.saturating_add(end - begin))
     }
 
-    /// Whether any word from `begin` to `end` is missing.
+    /// Returns whether any word from `begin` to `end` is missing.
     pub(super) fn wants(&self, begin: u32, end: u32) -> bool {
         self.0.iter().any(|range| range.0 < end && begin < range.1)
     }

@@ -8,8 +8,9 @@
 //!                                      +--------+ --> report, measurements, parameters: what was heard, and when
 //! ```
 //!
-//! Time is given in microseconds from any beginning and never runs back. Call `handle_frame` for every frame that arrives and
-//! `poll_frame` until it has nothing left, at [`Master::next_poll`] at the latest. One call answers one frame at most.
+//! Time is given in microseconds from any beginning and never runs back. Call `handle_frame` for every frame
+//! that arrives and `poll_frame` until it has nothing left, at [`Master::next_poll`] at the latest. One call
+//! answers one frame at most.
 //!
 //! Messages are sent by priority: set-point and request word, then requests of the caller in their order,
 //! then the download, then reading of parameters in the background. One message is under way at a time, so
@@ -158,8 +159,8 @@ impl Master {
         &self.parameters
     }
 
-    /// The exact state, or `None` while it is not known. The status word cannot tell some states from each other
-    /// (Table 8), so parameter 261 is read whenever that word is heard.
+    /// The exact state, or `None` while it is not known. The status word cannot tell some states from each
+    /// other (Table 8), so parameter 261 is read whenever that word is heard.
     pub fn state(&self) -> Option<State> {
         let exact = self.parameters.get(number::DRIVE_STATE).map(|heard| heard.value);
         self.report.state(exact)
@@ -171,7 +172,7 @@ impl Master {
         self.measurements.speed(self.report.status.map(|status| status.value.control))
     }
 
-    /// Whether the drive was heard lately.
+    /// Returns whether the drive was heard lately.
     pub fn is_connected(&self, now: u64) -> bool {
         let period = self.parameters.get(number::AUTOSEND_PERIOD).map_or(0, |heard| heard.value);
         let lost_after = self.config.lost_after.max(u64::from(period.unsigned_abs()) * 3000);

@@ -11,7 +11,7 @@ const NEVER: u64 = u64::MAX;
 #[derive(Clone, Debug)]
 pub struct ParameterMirror {
     raw: [i32; PARAMETER_COUNT],
-    /// When each was heard, microseconds.
+    /// Time at which each was last heard, microseconds.
     at: [u64; PARAMETER_COUNT],
 }
 
@@ -74,7 +74,7 @@ pub(super) struct Reader {
     state: bool,
     /// The row that was requested.
     asked: Option<usize>,
-    /// When the next row may be asked for, microseconds.
+    /// Earliest time of the next request for a row, microseconds.
     due: u64,
 }
 

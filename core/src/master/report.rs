@@ -38,9 +38,9 @@ pub struct Report {
     pub device: Option<Heard<DeviceInfo>>,
     /// XML_DOWNLOAD_ANSWER: the drive's description.
     pub description: Option<Heard<DescriptionInfo>>,
-    /// When the drive last acknowledged a reboot, microseconds.
+    /// Time at which the drive last acknowledged a reboot, microseconds.
     pub reboot: Option<u64>,
-    /// When any message was last heard, microseconds.
+    /// Time at which any message was last heard, microseconds.
     pub last: Option<u64>,
 }
 

@@ -128,7 +128,7 @@ impl Request {
         })
     }
 
-    /// Whether the request changes many parameters.
+    /// Returns whether the request changes many parameters.
     const fn changes_parameters(self) -> bool {
         matches!(self, Self::Run(Service::ResetCalibration | Service::AutoCalibrate))
     }
@@ -166,7 +166,7 @@ impl Requests {
         self.0.pop()
     }
 
-    /// Whether there is something to send.
+    /// Returns whether there is something to send.
     pub(super) fn is_waiting(&self) -> bool {
         self.0.current.is_some() || !self.0.is_empty()
     }

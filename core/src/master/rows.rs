@@ -6,7 +6,8 @@ use crate::bus::narmotion::{Field, Meaning, Words};
 use crate::dictionary::{Access, Decimal, Effect, Kind};
 use heapless::String;
 
-/// A row of a description, in the order of the document: categories, parameters, fields of messages, signals of the scope.
+/// A row of a description, in the order of the document: categories, parameters, fields of messages, signals
+/// of the scope.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Described {
     /// A category of parameters.
@@ -53,12 +54,13 @@ pub struct DescribedParameter {
     pub access: Access,
     /// Writing 0 then 1 is a command.
     pub command: bool,
-    /// When a written value acts.
+    /// Time at which a written value takes effect: within a tick or two, at the next start, or after a
+    /// reboot.
     pub effect: Effect,
 }
 
 impl DescribedParameter {
-    /// Whether the 32 bits `raw` are a value within the range.
+    /// Returns whether the 32 bits `raw` are a value within the range.
     pub const fn accepts(&self, raw: i32) -> bool {
         let value = self.kind.widen(raw);
         value >= self.min && value <= self.max

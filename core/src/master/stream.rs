@@ -64,7 +64,7 @@ struct Pass {
     next: u32,
     /// The pass has brought a missing word; for the log, a missing record.
     useful: bool,
-    /// When its last words were received, or when it was started, microseconds.
+    /// Time at which its last words were received, or at which it was started, microseconds.
     heard: u64,
 }
 
@@ -99,12 +99,12 @@ impl Stream {
         stream
     }
 
-    /// Whether nothing is missing, and no answer is still awaited.
+    /// Returns whether nothing is missing, and no answer is still awaited.
     pub(super) fn is_complete(&self) -> bool {
         matches!(self.phase, Phase::Stream | Phase::Start) && self.missing.is_empty()
     }
 
-    /// Whether there is nothing to send.
+    /// Returns whether there is nothing to send.
     pub(super) fn is_listening(&self) -> bool {
         self.phase == Phase::Stream
     }
@@ -210,7 +210,7 @@ impl Stream {
         new
     }
 
-    /// Whether the pass ends with this piece.
+    /// Returns whether the pass ends with this piece.
     pub(super) fn is_last(&mut self, piece: &Piece) -> bool {
         let pass = &mut self.pass;
         // A late last piece of the previous pass does not end this one.
@@ -229,7 +229,7 @@ impl Stream {
         }
     }
 
-    /// Whether it waits until the caller has taken all chunks: records need room.
+    /// Returns whether it waits until the caller has taken all chunks: records need room.
     pub(super) fn wants_room(&self) -> bool {
         self.phase == Phase::First
     }
@@ -258,7 +258,7 @@ impl Stream {
         stops
     }
 
-    /// Whether the awaited answer begins a stream.
+    /// Returns whether the awaited answer begins a stream.
     pub(super) fn is_starting(&self) -> bool {
         self.phase == Phase::Raise
     }

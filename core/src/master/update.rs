@@ -57,7 +57,7 @@ impl Image {
     }
 }
 
-/// Why a drive does not run the image.
+/// Reason why a drive does not run the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateError {
     /// The drive does not answer. A drive without a bootloader never does.
@@ -167,9 +167,9 @@ pub(super) enum Update {
 pub(super) struct UnderWay {
     image: Image,
     stage: Stage,
-    /// When the stage's message is due next.
+    /// Time at which the stage's message is due next.
     due: u64,
-    /// When the drive last made progress, or was asked to restart.
+    /// Time at which the drive last made progress, or was asked to restart.
     heard: u64,
     /// Longest time until an answer, microseconds.
     timeout: u32,
@@ -185,9 +185,9 @@ pub(super) struct UnderWay {
     asked: bool,
     /// The caller has aborted the update.
     aborted: bool,
-    /// When the next block may be sent.
+    /// Earliest time of the next block.
     block_due: u64,
-    /// When the drive must be back.
+    /// Time by which the drive must be back.
     back_by: u64,
 }
 
@@ -336,7 +336,7 @@ impl UnderWay {
         self.stage == Stage::Sending && self.next < self.limit.min(self.image.length)
     }
 
-    /// Whether the drive counts as gone: it has made no progress, or has not returned, in time.
+    /// Returns whether the drive counts as gone: it has made no progress, or has not returned, in time.
     fn is_gone(&mut self, now: u64) -> bool {
         self.heard = self.heard.min(now);
         let patience = match self.stage {

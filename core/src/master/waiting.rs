@@ -40,7 +40,7 @@ impl<R, C, A> Waiting<R, C, A> {
         self.requests.pop_front()
     }
 
-    /// Whether no request waits to begin.
+    /// Returns whether no request waits to begin.
     pub(super) fn is_empty(&self) -> bool {
         self.requests.is_empty()
     }

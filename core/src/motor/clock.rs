@@ -3,11 +3,13 @@
 use super::interval::TICK;
 use serde::{Deserialize, Serialize};
 
-/// A control tick, counted from power-up. The count wraps, so instants are compared by their distance, which must stay below 2^31 ticks.
+/// A control tick, counted from power-up. The count wraps, so instants are compared by their distance, which
+/// must stay below 2^31 ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Instant(u32);
 
-/// The farthest deadline, 2^30 ticks: 29 hours at 10 kHz. A station that has nothing to do until then is asked all the same.
+/// The farthest deadline, 2^30 ticks: 29 hours at 10 kHz. A station that has nothing to do until then is
+/// asked all the same.
 const HORIZON: u32 = 1 << 30;
 
 impl Instant {

@@ -54,7 +54,8 @@ pub struct Coefficients {
     pub sample_settle: u16,
 }
 
-/// Why a parameter set does not build: the parameter at fault, its value and the range that the others leave it.
+/// Reason why a parameter set does not build: the parameter at fault, its value and the range that the others
+/// leave it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildError {
     /// Number of the parameter.
@@ -85,8 +86,8 @@ impl fmt::Display for BuildError {
 impl core::error::Error for BuildError {}
 
 impl Coefficients {
-    /// What a state's loops have of their own: hall closed loop has its own, every other state that of motors without sensors (parameters
-    /// 98 and 107, Table 11).
+    /// Coefficients of a state's loops: hall closed loop has its own, every other state uses those of motors
+    /// without sensors (parameters 98 and 107, Table 11).
     #[inline]
     pub const fn mode(&self, state: State) -> &ModeCoefficients {
         if matches!(state, State::HallClosedLoop) { &self.hall_mode } else { &self.sensorless_mode }
@@ -151,10 +152,12 @@ struct Builder<'a> {
     binds: bool,
 }
 
-/// Converter codes that stand out of the noise: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
+/// Converter codes that stand out of the noise: a signal of three channels, weighted 2, 1 and 1, with 0.7
+/// codes of noise each has 1.7.
 const NOISE: u16 = 4;
 
-/// Often-used arithmetic stays out of line: 64 bits written out at every use would take half as much flash again.
+/// Often-used arithmetic stays out of line: 64 bits written out at every use would take half as much flash
+/// again.
 impl Builder<'_> {
     /// The raw value: none that is asked for here has more than 31 bits.
     #[inline(never)]
@@ -257,7 +260,8 @@ impl Builder<'_> {
         saturate64(quotient((i64::from(self.speed_limit(number)) << 16) * self.pole_pairs(), 60))
     }
 
-    /// The level of a duty parameter, raw I16F16: volts of the nominal supply, or a share of the bus voltage where there is none.
+    /// The level of a duty parameter, raw I16F16: volts of the nominal supply, or a share of the bus voltage
+    /// where there is none.
     #[inline(never)]
     fn level(&self, number: u16) -> i32 {
         let whole = match self.quantity(number::NOMINAL_SUPPLY) {
@@ -305,7 +309,8 @@ impl Builder<'_> {
         let (low, high) = (number::SPEED_MIN_HES, number::SPEED_MAX_HES);
         self.within_speeds(high, 1, fastest);
         self.within_speeds(low, 0, self.speed_limit(high));
-        // A rotor at the smallest set-point must pass a sector within the time-out, twice over; and 16 bits hold the time-out.
+        // A rotor at the smallest set-point must pass a sector within the time-out, twice over; and 16 bits
+        // hold the time-out.
         let slowest = i64::from(self.speed_limit(low).max(1)) * self.pole_pairs();
         let shortest = 2 * 60_000 / (6 * slowest).max(1);
         let longest = quotient(i64::from(u16::MAX) * 1000, self.rate());
@@ -328,7 +333,7 @@ impl Builder<'_> {
         self.parameters.speed_limit(number)
     }
 
-    /// The same as [`within`](Self::within) of the set-point limit that is in force.
+    /// Notes the set-point limit in force if it is not [`within`](Self::within) this range.
     fn within_speeds(&mut self, number: u16, min: i32, max: i32) {
         let value = self.speed_limit(number);
         if value < min || value > max {
@@ -419,7 +424,8 @@ impl Builder<'_> {
         let kick_level = self.level(number::OPEN_LOOP_DUTY);
         // Both locks together leave the rest before them and 2 ms of rotor lock's duration.
         let align = (self.wide(number::LOCK_DURATION) - REST - 2).max(20);
-        // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
+        // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean
+        // limit leaves room: a tenth more.
         let fall =
             quotient(self.wide(ohm) * self.wide(number::PHASE_CURRENT_MAX) * 11, 10) * self.pole_pairs();
         let brake = quotient(fall << 16, self.wide(emf) * 60);

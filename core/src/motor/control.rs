@@ -1,4 +1,5 @@
-//! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
+//! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins,
+//! volts to duty.
 
 pub mod limits;
 pub mod pi;
@@ -26,7 +27,8 @@ pub enum Demand {
     Off,
     /// A level (see [`ControlCoefficients::initial_level`]): rotor lock, open loop, calibration.
     Level(i32),
-    /// A speed: closed loop. The voltage fades by so many 1/16, because the rotor's position is getting uncertain.
+    /// A speed: closed loop. The voltage fades by so many 1/16, because the rotor's position is getting
+    /// uncertain.
     Speed(u8),
 }
 
@@ -57,7 +59,8 @@ pub struct Control {
     turn: i32,
     phase_current: i32,
     coasting: Option<Coasting>,
-    /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0 once it is.
+    /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0
+    /// once it is.
     catching: u16,
     /// The bridge was off in the midst of this episode.
     interrupted: bool,
@@ -70,16 +73,17 @@ const REGENERATING: i32 = -(1 << 16) * 3 / 10;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
-/// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical rev/s.
+/// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical
+/// rev/s.
 const WHOLE: i32 = 33 << 16;
 
 /// A current limit may take the duty back this many times faster than it rises.
 const RETREAT: u16 = 8;
 
 impl Control {
-    /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
-    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the first voltage (parameter 84) on this bus
-    /// (raw I16F16 V).
+    /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns
+    /// already: that one is caught with diodes, where no voltage is too small. Every controller continues
+    /// from the first voltage (parameter 84) on this bus (raw I16F16 V).
     pub fn start(&mut self, c: &ControlCoefficients, speed: i32, bus_voltage: i32) {
         *self = Self { limit: self.limit, ..Self::default() };
         self.limit.start(&c.limits);
@@ -91,8 +95,9 @@ impl Control {
         }
     }
 
-    /// Bumpless change from a level to the speed loop: every controller continues from `voltage` (what is [`applied`](Self::applied), or
-    /// parameter 84), the set-point's ramp from the measured `speed` (raw electrical rev/s).
+    /// Bumpless change from a level to the speed loop: every controller continues from `voltage` (what is
+    /// [`applied`](Self::applied), or parameter 84), the set-point's ramp from the measured `speed` (raw
+    /// electrical rev/s).
     pub fn hand_over(&mut self, speed: i32, voltage: i32) {
         self.setpoint.set(speed);
         self.speed_error = 0;
@@ -138,8 +143,9 @@ impl Control {
         }
     }
 
-    /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
-    /// rev/s; `target` is the set-point after saturation, and the rise towards it a millisecond, 16 extra bits.
+    /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the
+    /// direction of torque, raw I16F16 electrical rev/s; `target` is the set-point after saturation, and the
+    /// rise towards it a millisecond, 16 extra bits.
     pub fn run_speed_loop(
         &mut self,
         c: &ControlCoefficients,
@@ -164,7 +170,8 @@ impl Control {
         self.keep_ease(c, bus_current);
     }
 
-    /// One tick with every limit in turn. `speed` is that of a closed loop, a magnitude in the direction of torque, raw I16F16 electrical rev/s.
+    /// One tick with every limit in turn. `speed` is that of a closed loop, a magnitude in the direction of
+    /// torque, raw I16F16 electrical rev/s.
     #[inline(never)]
     pub fn decide(
         &mut self,
@@ -199,7 +206,8 @@ impl Control {
         };
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
         self.apply(c, measurement.duty(voltage), mode.duty_max, limiter, measured);
-        // The slew limit passes within a tick or two and is no reason to forget; maximum duty is the loop's own ceiling.
+        // The slew limit passes within a tick or two and is no reason to forget; maximum duty is the loop's
+        // own ceiling.
         if limiter != own || own == Limiter::Fade {
             self.follow(c, mode, demand, measured);
         }
@@ -220,8 +228,8 @@ impl Control {
         }
     }
 
-    /// What is above back-EMF fades, and with it the torque: a voltage below it would brake the motor into the bus. Where the constant is
-    /// unknown all of the voltage fades.
+    /// Fades the part of the voltage above back-EMF, and with it the torque: a voltage below back-EMF would
+    /// brake the motor into the bus. If the back-EMF constant is unknown, all of the voltage fades.
     fn faded(&self, c: &ControlCoefficients, speed: i32, fade: u8) -> i32 {
         let back_emf = c.back_emf.apply32(speed).clamp(0, self.speed_voltage.max(0));
         back_emf + (self.speed_voltage - back_emf) / 16 * (16 - i32::from(fade.min(16)))
@@ -242,8 +250,9 @@ impl Control {
         self.output
     }
 
-    /// Below the drive's range of speed crossings are so rare that the loop would integrate an old measurement over and over, until a
-    /// light rotor stands: there it takes its turn less often, in proportion to the speed.
+    /// Below the drive's range of speed crossings are so rare that the loop would integrate an old
+    /// measurement over and over, until a light rotor stands: there it takes its turn less often, in
+    /// proportion to the speed.
     const fn takes_turn(&mut self, speed: i32) -> bool {
         let share = if speed < WHOLE { speed } else { WHOLE };
         self.turn += if share > WHOLE / 8 { share } else { WHOLE / 8 };
@@ -254,8 +263,8 @@ impl Control {
         due
     }
 
-    /// The ramp waits while something else than the speed loop bounds a motor that lags behind: it must not run away
-    /// from a speed that cannot follow.
+    /// The ramp waits while something else than the speed loop bounds a motor that lags behind: it must not
+    /// run away from a speed that cannot follow.
     fn advance_setpoint(&mut self, (target, rate): (i32, i64), speed: i32) -> i32 {
         let setpoint = self.setpoint.value();
         let lagging = target > setpoint && speed < setpoint;
@@ -265,8 +274,8 @@ impl Control {
         self.setpoint.step(target, rate)
     }
 
-    /// The wanted voltage, but no more than the current limiter allows. It looks at phase amperes, bus current over duty,
-    /// so that its loop does not change with the duty.
+    /// The wanted voltage, but no more than the current limiter allows. It looks at phase amperes, bus
+    /// current over duty, so that its loop does not change with the duty.
     fn limit_current(
         &mut self,
         c: &ControlCoefficients,
@@ -277,7 +286,8 @@ impl Control {
         let duty = self.output.duty.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
         let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
-        // The limiter's output is at least its integrator, or the ceiling, while there is room: most ticks need no division.
+        // The limiter's output is at least its integrator, or the ceiling, while there is room: most ticks
+        // need no division.
         let idle = bound >= measured.bus_current.to_bits() && self.current.is_at_least(wanted);
         if idle && wanted <= ceiling {
             self.current.wait(wanted.min(share(ceiling, duty.saturating_add(c.slew))));
@@ -326,8 +336,8 @@ impl Control {
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Diodes while a rotor is caught, while the bus is full and the motor hardly draws from it, and while it is fed in
-    /// earnest: current in a diode cannot reverse. Else the switches.
+    /// Diodes while a rotor is caught, while the bus is full and the motor hardly draws from it, and while it
+    /// is fed in earnest: current in a diode cannot reverse. Else the switches.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
         let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
@@ -345,8 +355,8 @@ const fn share(voltage: i32, duty: u16) -> i32 {
     ((voltage as i64 * duty as i64) >> 15) as i32
 }
 
-/// `current / duty`, raw I16F16: what a mean bus current is in the phase. Below 1/32 the duty counts as that, so that
-/// noise is not blown up. 32-bit division, which the processor has.
+/// `current / duty`, raw I16F16: what a mean bus current is in the phase. Below 1/32 the duty counts as that,
+/// so that noise is not blown up. 32-bit division, which the processor has.
 fn per_duty(current: i32, duty: u16) -> i32 {
     let duty = i32::from(duty.max(1 << 10));
     let current = current.clamp(-(1 << 19), 1 << 19);

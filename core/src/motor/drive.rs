@@ -1,10 +1,11 @@
 //! The control tick: samples in, PWM command out, one road.
 //!
-//! Most ticks ask no station. A station that was asked answers with its next *deadline*, the tick by which it has to be
-//! asked again although its inputs stay the same, and with the *band* of inputs within which it would answer the same.
+//! Most ticks ask no station. A station that was asked answers with its next *deadline*, the tick by which it
+//! has to be asked again although its inputs stay the same, and with the *band* of inputs within which it
+//! would answer the same.
 //!
-//! The law: before its deadline and within its bands, asking a station changes nothing. So a deadline may be early and a
-//! band narrow, but never late or wide. From the law follows:
+//! The law: before its deadline and within its bands, asking a station changes nothing. So a deadline may be
+//! early and a band narrow, but never late or wide. From the law follows:
 //!
 //! * Stations keep instants and not counters, unless they are due in every tick while the counter counts.
 //! * Whoever changes an input of a station behind its back makes it due: [`Drive::wake`] for all of them, and
@@ -13,8 +14,9 @@
 //!
 //! The hall calibration alone counts its ticks, so `steers` holds while it runs.
 //!
-//! A new station needs: a deadline in `deadline`, a line in `wake`, a guard in `ask`, and a band in [`quiet`] if its
-//! inputs are samples. A check that may wait for a millisecond is simpler: it is a line of a task (`tasks.rs`).
+//! A new station needs: a deadline in `deadline`, a line in `wake`, a guard in `ask`, and a band in [`quiet`]
+//! if its inputs are samples. A check that may wait for a millisecond is simpler: it is a line of a task
+//! (`tasks.rs`).
 
 mod layout;
 mod pattern;
@@ -63,8 +65,8 @@ pub struct Drive {
     pattern_due: Instant,
     /// Samples that concern no station.
     quiet: Quiet,
-    /// For now the state machine is asked in every tick, and the fault logic if `has_fault`: a fault of the rotor or an open phase is present, the rotor of
-    /// a closed loop may stand, or its hall sensors are mute.
+    /// For now the state machine is asked in every tick, and the fault logic if `has_fault`: a fault of the
+    /// rotor or an open phase is present, the rotor of a closed loop may stand, or its hall sensors are mute.
     watchful: bool,
     /// For now the pattern is chosen anew in every tick: a hall calibration, or sensors in doubt.
     steers: bool,
@@ -136,14 +138,16 @@ impl Drive {
         self
     }
 
-    /// After a change of state (and after `enter`) or of the coefficients: the source of the rotor, and what depends on both alone.
+    /// After a change of state (and after `enter`) or of the coefficients: the source of the rotor, and what
+    /// depends on both alone.
     fn refresh(&mut self) {
         self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
         self.control.beware();
     }
 
-    /// The source of the rotor's position. With the bridge off the terminals are heard, too: they tell whether it stands.
+    /// The source of the rotor's position. With the bridge off the terminals are heard, too: they tell
+    /// whether it stands.
     fn source(&self) -> Source {
         match self.machine.state() {
             state if !state.is_driving() => Source::Both,
@@ -159,10 +163,12 @@ impl Drive {
         self.take_event(event.borrow());
     }
 
-    /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of them ask for.
+    /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of
+    /// them ask for.
     fn take_event(&mut self, event: &Event) {
         let now = self.now;
-        // Most events repeat the last request, or say that all is well: they wake nobody. Set-point and temperature are read once a millisecond.
+        // Most events repeat the last request, or say that all is well: they wake nobody. Set-point and
+        // temperature are read once a millisecond.
         let is_known = match event {
             Event::Command(command) => self.machine.knows(command.request),
             Event::SetPoint(_) => true,
@@ -190,7 +196,8 @@ impl Drive {
         }
     }
 
-    /// Makes everything due: the next tick asks every station and every limit. By the law of the tick this changes no answer.
+    /// Makes everything due: the next tick asks every station and every limit. By the law of the tick this
+    /// changes no answer.
     pub fn wake(&mut self) {
         let now = self.now;
         (self.due, self.pattern_due) = (now, now);
@@ -238,8 +245,9 @@ impl Drive {
         self.rotor.sense_terminals(c, self.now, samples, bus, &self.applied, torque)
     }
 
-    /// Asks the stations in turn, each if its deadline has come or something new concerns it. It ends with the pattern of this period and the next deadline.
-    /// True if the tick brought an edge, a crossing, a commutation or another state.
+    /// Asks the stations in turn, each if its deadline has come or something new concerns it. It ends with
+    /// the pattern of this period and the next deadline. True if the tick brought an edge, a crossing, a
+    /// commutation or another state.
     #[inline(never)]
     fn ask(&mut self, samples: &Samples, current: Amps, sensed: bool) -> bool {
         let now = self.now;
@@ -283,11 +291,13 @@ impl Drive {
         self.quiet.hall = samples.hall;
         let events = self.rotor.sense_halls(&self.coefficients, self.now, samples);
         if self.rotor.hall.is_mute() {
-            // From here on the commutation counts the sectors, and it does so only where the pattern is chosen.
+            // From here on the commutation counts the sectors, and it does so only where the pattern is
+            // chosen.
             self.pattern_due = self.now;
         }
         if events.sectors == 0 && self.machine.state() == State::HallClosedLoop {
-            // The sensors were asked and no sector has passed: a code was lost, there is a doubt, or a deadline has come.
+            // The sensors were asked and no sector has passed: a code was lost, there is a doubt, or a
+            // deadline has come.
             (self.pattern_due, self.watchful) = (self.now, true);
         }
         events
@@ -371,15 +381,15 @@ impl Drive {
         }
     }
 
-    /// Where the hall sensors show nothing, the commutation counts the sectors.
+    /// Counts a commutation as a sector where the hall sensors show nothing.
     #[inline]
     fn count_commutation(&mut self) {
         let backward = self.machine.direction() == Direction::Reverse;
         self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
-    /// The rotor shows a fault: an open phase, too many episodes that ended, or a stall of the hall sensors. The fault logic
-    /// need not see them go: the first two cannot be masked, and a stall keeps it due.
+    /// The rotor shows a fault: an open phase, too many episodes that ended, or a stall of the hall sensors.
+    /// The fault logic need not see them go: the first two cannot be masked, and a stall keeps it due.
     #[inline(never)]
     fn has_fault(&self) -> bool {
         self.has_open_phase()

@@ -22,8 +22,8 @@ impl Gain {
     /// Largest mantissa.
     pub const MANTISSA_MAX: i32 = (1 << MANTISSA_BITS) - 1;
 
-    /// The gain `mantissa x 2^-shift`: a Q-format with `shift` fraction bits. `None` unless the mantissa is 0 to [`Self::MANTISSA_MAX`] and the shift 0
-    /// to 62.
+    /// The gain `mantissa x 2^-shift`: a Q-format with `shift` fraction bits. `None` unless the mantissa is 0
+    /// to [`Self::MANTISSA_MAX`] and the shift 0 to 62.
     pub const fn new(mantissa: i32, shift: u8) -> Option<Self> {
         let fits = mantissa >= 0 && mantissa <= Self::MANTISSA_MAX && shift as u32 <= SHIFT_MAX;
         if fits { Some(Self { mantissa, shift: shift as u32 }) } else { None }
@@ -39,8 +39,9 @@ impl Gain {
         self.shift as u8
     }
 
-    /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and more) or too small
-    /// to keep [`SIGNIFICANT_BITS`]; and for what the arithmetic has no room for, a numerator of 2^64 or a denominator of 2^97 and more.
+    /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and
+    /// more) or too small to keep [`SIGNIFICANT_BITS`]; and for what the arithmetic has no room for, a
+    /// numerator of 2^64 or a denominator of 2^97 and more.
     pub const fn from_ratio(numerator: i128, denominator: i128) -> Option<Self> {
         if numerator < 0 || denominator <= 0 || numerator >> 64 != 0 || denominator >> 97 != 0 {
             return None;
@@ -48,7 +49,8 @@ impl Gain {
         if numerator == 0 {
             return Some(Self::ZERO);
         }
-        // One bit of the quotient after the other, whole ones first: dividing 128 bits at once takes more flash than the rest of building.
+        // One bit of the quotient after the other, whole ones first: dividing 128 bits at once takes more
+        // flash than the rest of building.
         let (mut rest, divisor) = (numerator as u128, (denominator as u128) << MANTISSA_BITS);
         if rest >= divisor {
             return None;
@@ -81,7 +83,8 @@ impl Gain {
     #[inline]
     pub const fn apply32(self, value: i32) -> i32 {
         let product = value as i64 * self.mantissa as i64;
-        // Most gains are less than 1/4: then the upper word alone counts, and shifting all 64 bits would take four times as long.
+        // Most gains are less than 1/4: then the upper word alone counts, and shifting all 64 bits would take
+        // four times as long.
         if self.shift >= 32 {
             (product >> 32) as i32 >> (self.shift - 32)
         } else {

@@ -1,4 +1,5 @@
-//! Reasons to end a drive: the fault table and its logic, an open phase, and the rails of a start without sensors.
+//! Reasons to end a drive: the fault table and its logic, an open phase, and the rails of a start without
+//! sensors.
 
 pub mod fault;
 pub mod open_phase;

@@ -8,11 +8,13 @@ pub(super) const SIXTH: u32 = u32::MAX / 6;
 /// One twelfth of a turn: half a sector.
 pub(super) const TWELFTH: u32 = u32::MAX / 12;
 
-/// `sixths / 6` turns in `time` (1/65 536 tick), 2^-32 turn a tick: a 32-bit division with 16 significant bits.
+/// `sixths / 6` turns in `time` (1/65 536 tick), 2^-32 turn a tick: a 32-bit division with 16 significant
+/// bits.
 #[inline]
 pub(super) fn speed_of(sixths: u8, time: u32) -> i32 {
     let turned = if sixths >= 6 { u32::MAX } else { SIXTH.wrapping_mul(sixths.into()) };
-    // From 8 ticks on nothing saturates, and the divisor has 16 bits, the highest of which says that it is not 0.
+    // From 8 ticks on nothing saturates, and the divisor has 16 bits, the highest of which says that it is
+    // not 0.
     if time >= 8 * TICK {
         let scale = 16 - time.leading_zeros();
         return ((turned / ((time >> scale) | (1 << 15))) << (16 - scale)) as i32;

@@ -1,5 +1,5 @@
-//! The state machine's memory around the transition table: time in the state, the fresh start request, the modes
-//! sampled at the start, direction, acknowledgement.
+//! The state machine's memory around the transition table: time in the state, the fresh start request, the
+//! modes sampled at the start, direction, acknowledgement.
 
 pub mod event;
 pub mod state;
@@ -10,7 +10,7 @@ use super::machine::state::{Conditions, State, Transition, transition};
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
 
-/// Whether this build calibrates hall sensors.
+/// True if this build calibrates hall sensors.
 pub(crate) const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 
 /// The master's request.
@@ -36,7 +36,7 @@ pub enum Request {
     Shutdown,
 }
 
-/// Why a Drive request did not start the motor.
+/// Reason why a Drive request did not start the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Refusal {
@@ -115,7 +115,7 @@ pub struct Machine {
     command: Command,
     /// Ticks since the last valid command, saturating; saturated at boot: no master yet.
     command_age: u32,
-    /// When a row of the table may hold by time alone.
+    /// Time at which a row of the table may hold by time alone.
     due: Instant,
     /// A Drive request would be a fresh edge.
     armed: bool,
@@ -163,13 +163,15 @@ impl Machine {
                 self.acknowledged |= self.state == State::Fault;
                 self.refusal = Refusal::None;
             }
-            // Asked for Drive before it could: a drive that resets under a running master must not start by itself.
+            // Asked for Drive before it could: a drive that resets under a running master must not start by
+            // itself.
             Request::Drive | Request::Reverse => self.armed &= self.state != State::Initialization,
             Request::Shutdown => {}
         }
     }
 
-    /// A set-point has arrived: the request stays. The master may be silent as long as before, so a deadline is early now, never late.
+    /// A set-point has arrived: the request stays. The master may be silent as long as before, so a deadline
+    /// is early now, never late.
     pub const fn handle_set_point(&mut self, now: Instant, speed: ElectricalSpeed) {
         self.pass(now);
         self.command.speed = speed;
@@ -181,15 +183,16 @@ impl Machine {
         self.calibrate = run && CALIBRATES;
     }
 
-    /// True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. Of the rows that ask for
-    /// standstill T47 alone waits for nothing else.
+    /// True in the ordinary tick of a state, in which no row of the table can hold; else
+    /// [`advance`](Self::advance) looks. Of the rows that ask for standstill T47 alone waits for nothing
+    /// else.
     #[inline]
     pub fn rests(&self, now: Instant, critical: bool, stopped: bool) -> bool {
         let stalls = stopped && self.state == State::SensorlessClosedLoop;
         !(self.due.is_due(now) || critical || stalls)
     }
 
-    /// When a row of the table may hold by time alone.
+    /// Time at which a row of the table may hold by time alone.
     #[inline]
     pub const fn due(&self) -> Instant {
         self.due
@@ -204,7 +207,8 @@ impl Machine {
             State::Standby | State::Fault => u32::MAX,
             _ if !self.wants_to_run() || self.reversing() => 1,
             _ => {
-                // A duration that has elapsed was looked at just now, and no row fired: time changes nothing more.
+                // A duration that has elapsed was looked at just now, and no row fired: time changes nothing
+                // more.
                 let elapses =
                     self.duration(c).checked_sub(self.age).filter(|left| *left > 0).unwrap_or(u32::MAX);
                 elapses.min(c.command_timeout.saturating_sub(self.command_age)).max(1)
@@ -227,8 +231,8 @@ impl Machine {
         self.due = now;
     }
 
-    /// This request was the last one, too, and has had its effect: once more it only says that the master is there. Drive and Reverse
-    /// do the rest of their work the first time.
+    /// This request was the last one, too, and has had its effect: once more it only says that the master is
+    /// there. Drive and Reverse do the rest of their work the first time.
     pub fn knows(&self, request: Request) -> bool {
         let is_done = match request {
             Request::Standby => self.armed && (self.acknowledged || self.state != State::Fault),
@@ -247,7 +251,7 @@ impl Machine {
         if self.rests(now, inputs.critical, inputs.stopped) { None } else { self.advance(c, now, inputs) }
     }
 
-    /// Where the tick does not rest: at most one transition fires.
+    /// Runs a tick that does not [rest](Self::rests): at most one transition fires.
     #[inline(never)]
     pub fn advance(&mut self, c: &MachineCoefficients, now: Instant, inputs: &Inputs) -> Option<Change> {
         self.pass(now);
@@ -336,7 +340,7 @@ impl Machine {
         enabled
     }
 
-    /// Why a start is refused now.
+    /// Returns the reason why a start is refused now.
     fn refuse(&self, enabled: Conditions, inputs: &Inputs) -> Refusal {
         let modes = Conditions::HALL.union(Conditions::SENSORLESS).union(Conditions::OPEN_LOOP);
         if !self.armed {
@@ -388,7 +392,8 @@ impl Machine {
         self.state.is_driving() && wanted && self.requested_direction() != self.direction
     }
 
-    /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
+    /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge
+    /// on.
     pub fn starting(&self) -> bool {
         let wanted = self.wants_to_run();
         self.state == State::Standby && wanted && self.armed
@@ -409,7 +414,7 @@ impl Machine {
         self.command_age.saturating_add(now.since(self.at)) >= c.command_timeout
     }
 
-    /// Why the last start was refused; stays until Standby is requested.
+    /// Reason why the last start was refused; stays until Standby is requested.
     pub const fn refusal(&self) -> Refusal {
         self.refusal
     }

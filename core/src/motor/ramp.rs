@@ -2,14 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A value that approaches its target by at most a rate per step; 16 extra fraction bits keep slow ramps moving.
+/// A value that approaches its target by at most a rate per step; 16 extra fraction bits keep slow ramps
+/// moving.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ramp {
     value: i64,
 }
 
 impl Ramp {
-    /// One step towards `target` (raw I16F16) by at most `rate` (raw I16F16 with 16 extra bits, per step, >= 0).
+    /// One step towards `target` (raw I16F16) by at most `rate` (raw I16F16 with 16 extra bits, per step, >=
+    /// 0).
     #[inline]
     pub fn step(&mut self, target: i32, rate: i64) -> i32 {
         let target = (target as i64) << 16;
@@ -42,7 +44,7 @@ impl Ramp {
         self.value == (target as i64) << 16
     }
 
-    /// Where it is (raw I16F16). It never leaves the range of what it was set to and of its targets.
+    /// Present value (raw I16F16). It never leaves the range of the value that was set and of the targets.
     #[inline]
     pub const fn value(&self) -> i32 {
         (self.value >> 16) as i32

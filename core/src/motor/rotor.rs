@@ -1,4 +1,5 @@
-//! Where the rotor is, how fast it turns, and how far it has turned: by the hall sensors, by the terminals, or, in open loop, by the field that it follows.
+//! Position, speed and number of turns of the rotor: by the hall sensors, by the terminals, or, in open loop,
+//! by the field that it follows.
 
 pub mod back_emf;
 pub mod hall;
@@ -44,8 +45,8 @@ pub struct Rotor {
     turned: Turned,
 }
 
-/// Sectors turned since power-up. It follows the sector that the rotor is in, so whoever tells it may change: the hall sensors, or the
-/// commutation of a rotor that they do not show.
+/// Sectors turned since power-up. It follows the sector that the rotor is in, so whoever tells it may change:
+/// the hall sensors, or the commutation of a rotor that they do not show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Turned {
     /// Signed, wrapping.
@@ -55,7 +56,8 @@ struct Turned {
 }
 
 impl Turned {
-    /// The rotor is in `sector` (0..=5): by the shorter way, and half a revolution in the direction of motion.
+    /// The rotor is in `sector` (0..=5): by the shorter way, and half a revolution in the direction of
+    /// motion.
     #[inline]
     const fn reach(&mut self, sector: u8, backward: bool) {
         if let Some(before) = self.sector {
@@ -117,7 +119,8 @@ impl Rotor {
         }
     }
 
-    /// The terminals in one tick; `applied` was in force until this period's boundary. True if the estimate of the rotor has changed.
+    /// The terminals in one tick; `applied` was in force until this period's boundary. True if the estimate
+    /// of the rotor has changed.
     #[inline]
     pub fn sense_terminals(
         &mut self,
@@ -150,7 +153,8 @@ impl Rotor {
         }
     }
 
-    /// The bridge was commutated for a rotor in `sector` (0..=5): where the hall sensors show nothing, that is where it is.
+    /// The bridge was commutated for a rotor in `sector` (0..=5): where the hall sensors show nothing, that
+    /// is where it is.
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
         if self.hall.is_mute()
@@ -168,14 +172,15 @@ impl Rotor {
         }
     }
 
-    /// The fault of too many episodes that ended. Once the bridge is off that is over, and the next start begins with none.
+    /// The fault of too many episodes that ended. Once the bridge is off that is over, and the next start
+    /// begins with none.
     #[inline]
     pub fn fault(&self) -> Option<Cause> {
         if self.source == Source::Terminals { self.sensorless.fault() } else { None }
     }
 
-    /// Once a millisecond: the level of a start without sensors and the field of open loop go on. `run`: the field goes to its set speed, not to standstill.
-    /// True if either has changed.
+    /// Once a millisecond: the level of a start without sensors and the field of open loop go on. `run`: the
+    /// field goes to its set speed, not to standstill. True if either has changed.
     pub fn advance(&mut self, c: &Coefficients, now: Instant, torque: Direction, run: bool) -> bool {
         match self.source {
             Source::Both | Source::Halls => false,
@@ -194,7 +199,8 @@ impl Rotor {
         }
     }
 
-    /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that it turns.
+    /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that
+    /// it turns.
     pub fn stands_still(&self, c: &Coefficients, now: Instant) -> bool {
         let silent = self.hall.is_mute() || self.hall.stopped();
         self.listens() && self.sensorless.hears_rest(&c.sensorless, now) && silent
@@ -233,7 +239,8 @@ impl Rotor {
         ElectricalSpeed::from_bits(c.speed_of_turns.apply32(self.hall.speed_bounded(now)))
     }
 
-    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by the terminals, or that of the open-loop field; 0 if neither is there.
+    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by the terminals, or that of the
+    /// open-loop field; 0 if neither is there.
     pub fn speed_without_halls(&self, c: &Coefficients, now: Instant, torque: Direction) -> i32 {
         match self.source {
             Source::Both | Source::Terminals => self.speed_heard(c, now),
@@ -258,7 +265,8 @@ impl Rotor {
         }
     }
 
-    /// Sectors turned since power-up, signed: by the hall sensors, or by the commutation where they show nothing.
+    /// Sectors turned since power-up, signed: by the hall sensors, or by the commutation where they show
+    /// nothing.
     pub const fn sectors(&self) -> i32 {
         self.turned.sectors
     }

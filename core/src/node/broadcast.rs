@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 
 /// Frames of one broadcast: STATUS_WORD, FAULT_WORD and six measurements.
 const PERIODIC_FRAMES: u64 = 8;
-/// Longest 29-bit frame with 8 bytes and its gap, stuff bits included: 67 + 8n + floor((53 + 8n) / 4) at n = 8.
+/// Longest 29-bit frame with 8 bytes and its gap, stuff bits included: 67 + 8n + floor((53 + 8n) / 4) at n
+/// = 8.
 const FRAME_BITS_MAX: u64 = 160;
 /// Bits per second on the bus (Table 2).
 const BIT_RATE: u64 = 500_000;
@@ -35,8 +36,8 @@ impl Autosend {
         self.last = None;
     }
 
-    /// Whether a broadcast is due at tick `now`; if so, the next period begins. A late poll shortens the next period, but
-    /// never makes up for missed ones.
+    /// Returns whether a broadcast is due at tick `now`; if so, the next period begins. A late poll shortens
+    /// the next period, but never makes up for missed ones.
     pub(super) fn is_due(&mut self, now: u64, parameters: &Parameters, board: &Board) -> bool {
         let period = period(parameters, board);
         let Some(last) = self.last else {

@@ -49,9 +49,11 @@ bitflags! {
     pub struct Diagnostics: u16 {
         /// The bus is below 18 V (Table 2).
         const SUPPLY_LOW = 1 << 0;
-        /// The rotor may have turned unseen since power-up, or since parameter 17 set the mechanical position.
+        /// The rotor may have turned unseen since power-up, or since parameter 17 set the mechanical
+        /// position.
         const POSITION_UNKNOWN = 1 << 1;
-        /// Sensorless control is enabled, and a stable wrong lock would not be found: parameter 267 or 268 is 0.
+        /// Sensorless control is enabled, and a stable wrong lock would not be found: parameter 267 or 268
+        /// is 0.
         const WRONG_LOCK_UNSEEN = 1 << 2;
     }
 }

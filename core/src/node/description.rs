@@ -6,7 +6,7 @@ use crate::bus::narmotion::{FromDrive, XmlCommand};
 use crate::description::{Cursor, Document, Measure};
 use serde::{Deserialize, Serialize};
 
-/// Whether this build has a description to serve.
+/// True if this build has a description to serve.
 pub(super) const SERVES: bool = cfg!(feature = "description");
 /// Lines measured in one poll, so that a request for the length never holds up the background.
 const LINES_A_POLL: usize = 4;

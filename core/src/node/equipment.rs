@@ -27,12 +27,13 @@ const BUILT: Equipment = {
 };
 
 impl Node {
-    /// Whether the board has a part, and this build can use it.
+    /// Returns whether the board has a part, and this build can use it.
     pub(super) const fn has(&self, part: Equipment) -> bool {
         BUILT.contains(part) && self.board.equipment.contains(part)
     }
 
-    /// Whether a value of a parameter needs a part that is missing, or code that this build leaves out.
+    /// Returns whether a value of a parameter needs a part that is missing, or code that this build leaves
+    /// out.
     pub(super) fn lacks(&self, number: u16, raw: i32) -> bool {
         let lacks_part =
             NEEDS.iter().any(|(first, last, part)| (*first..=*last).contains(&number) && !self.has(*part));

@@ -5,7 +5,7 @@ use crate::motor::machine::event::SlowMeasurements;
 use crate::units::{Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 
-/// Whether this build uses an accelerometer.
+/// True if this build uses an accelerometer.
 pub(super) const ACCELEROMETER: bool = cfg!(feature = "accelerometer");
 
 /// Reciprocal of the accelerometer's sensitivity, 0.5 V a g. The specification states none; with the zero-g

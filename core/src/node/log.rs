@@ -211,7 +211,7 @@ impl Log {
     }
 }
 
-/// Whether this build logs.
+/// True if this build logs.
 pub(super) const LOGS: bool = cfg!(feature = "log");
 
 /// Bits 24:16 of the status word.
@@ -265,8 +265,8 @@ impl Node {
         self.log.samples = 0;
     }
 
-    /// Whether a slot is chosen. The result is kept, because a search through all slots takes longer than the
-    /// rest of most polls.
+    /// Returns whether a slot is chosen. The result is cached, because a search through all slots takes
+    /// longer than the rest of most polls.
     fn has_slots(&mut self) -> bool {
         self.log.empty = self.log.empty || self.slots().next().is_none();
         !self.log.empty
@@ -288,7 +288,7 @@ impl Node {
         Some(value as i32)
     }
 
-    /// Whether a slot is empty, or names an existing parameter or signal.
+    /// Returns whether a slot is empty, or names an existing parameter or signal.
     pub(super) fn can_log(&self, slot: i32) -> bool {
         let what = slot as u16;
         what == NOTHING || if what < SIGNAL_FIRST { Dictionary::row(what).is_some() } else { is_signal(what) }
@@ -425,8 +425,8 @@ const MEASUREMENT: u16 = Opcode::MEASUREMENT_0.raw();
 /// MEASUREMENT_1, words 1 and 2.
 const POSITION: u16 = SIGNAL_FIRST + (MEASUREMENT + 1) * 4 + 1;
 
-/// Whether a slot value names a signal: the status or fault word as a whole, or the first word of a broadcast
-/// signal.
+/// Returns whether a slot value names a signal: the status or fault word as a whole, or the first word of a
+/// broadcast signal.
 fn is_signal(what: u16) -> bool {
     let signal = what.wrapping_sub(SIGNAL_FIRST);
     let (opcode, word) = (signal >> 2, signal & 3);

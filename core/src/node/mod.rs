@@ -144,7 +144,8 @@ impl Node {
         Self::with_parameters(identity, board, Parameters::new())
     }
 
-    /// A device at power-up with a stored parameter set. Addresses and device number are taken from it now and kept until reboot.
+    /// A device at power-up with a stored parameter set. Addresses and device number are taken from it now
+    /// and kept until reboot.
     #[inline(never)]
     pub fn with_parameters(identity: Identity, board: Board, parameters: Parameters) -> Self {
         let addresses = Addresses {
@@ -262,7 +263,8 @@ impl Node {
         self.measure_description();
     }
 
-    /// The next frame to send, control and status before measurements; none while the controller is off the bus.
+    /// The next frame to send, control and status before measurements; none while the controller is off the
+    /// bus.
     pub fn poll_frame(&mut self) -> Option<Frame> {
         if self.link.state.is_off() {
             return None;

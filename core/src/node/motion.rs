@@ -37,7 +37,8 @@ impl Motion {
         }
     }
 
-    /// Angle between the Z axis and the mean acceleration, 0.01 degrees, 0..=18 000; 0 before the first window.
+    /// Angle between the Z axis and the mean acceleration, 0.01 degrees, 0..=18 000; 0 before the first
+    /// window.
     pub(super) const fn tilt(&self) -> u16 {
         self.tilt
     }

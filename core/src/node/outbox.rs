@@ -71,7 +71,7 @@ impl Outbox {
         self.urgent.pop_front().or_else(|| self.measurements.pop_front())
     }
 
-    /// Whether no message waits.
+    /// Returns whether no message waits.
     pub(super) fn is_empty(&self) -> bool {
         self.urgent.is_empty() && self.measurements.is_empty()
     }

@@ -124,8 +124,8 @@ impl Node {
         ParameterStatus::Done
     }
 
-    /// Whether the motor is stopped: Standby, or Fault at standstill. A rotor that no sensor sees does not
-    /// count as standing.
+    /// Returns whether the motor is stopped: Standby, or Fault at standstill. A rotor that no sensor sees
+    /// does not count as standing.
     pub(super) fn is_stopped(&self) -> bool {
         match self.status.state {
             State::Standby => true,
@@ -192,7 +192,7 @@ impl Node {
         }
     }
 
-    /// Whether the present state allows a write, by the row's access and by special rules.
+    /// Returns whether the present state allows a write, by the row's access and by special rules.
     fn is_allowed_now(&self, row: &Parameter, raw: i32) -> bool {
         let input = |number| match number {
             1 => self.digital.enable1,
@@ -299,7 +299,7 @@ impl Node {
     }
 }
 
-/// Whether the tick's coefficients depend on a parameter of this row.
+/// Returns whether the tick's coefficients depend on a parameter of this row.
 fn matters_to_the_tick(row: &Parameter) -> bool {
     matches!(
         row.category,

@@ -15,7 +15,8 @@ pub(super) fn mechanical_rpm(speed: ElectricalSpeed, pole_pairs: i32) -> i16 {
     saturate16(quotient(numerator + half, divisor))
 }
 
-/// Mechanical position in 0.01 degrees of electrical sectors: sectors * 60 degrees / pole pairs, wrapping at 32 bits.
+/// Mechanical position in 0.01 degrees of electrical sectors: sectors * 60 degrees / pole pairs, wrapping at
+/// 32 bits.
 pub(super) fn mechanical_position(sectors: i64, pole_pairs: i32) -> i32 {
     let (turned, pole_pairs) = (sectors.wrapping_mul(6000), i64::from(pole_pairs.max(1)));
     let position = quotient(turned, pole_pairs);

@@ -29,7 +29,7 @@ pub(super) struct ScopeLink {
     words: u16,
     /// Words of the memory, once they are known.
     room: Option<u16>,
-    /// Why the last request was refused.
+    /// Reason why the last request was refused.
     refusal: Refusal,
 }
 
@@ -49,7 +49,7 @@ impl ScopeLink {
         self.room.unwrap_or(0)
     }
 
-    /// Why the last request was refused.
+    /// Reason why the last request was refused.
     pub(super) const fn refusal(&self) -> Refusal {
         self.refusal
     }
@@ -139,7 +139,8 @@ impl PartialEq for ScopeLink {
 }
 
 impl Node {
-    /// Whether there is room for another report of the scope. Without room the caller keeps the report.
+    /// Returns whether there is room for another report of the scope. Without room the caller keeps the
+    /// report.
     pub fn takes_scope_report(&self) -> bool {
         !self.scope.blocks.is_full()
     }

@@ -101,18 +101,18 @@ impl Flash {
         self.health
     }
 
-    /// Whether the flash answers and has this firmware's layout.
+    /// Returns whether the flash answers and has this firmware's layout.
     pub(super) fn is_ready(&self) -> bool {
         let unusable = FaultWord::STORE_ABSENT.union(FaultWord::STORE_MISMATCH);
         self.attached && !self.health.store_faults.intersects(unusable)
     }
 
-    /// Whether a write of 1 to this command is answered only after the flash's report.
+    /// Returns whether a write of 1 to this command is answered only after the flash's report.
     pub(super) fn answers_later(&self, number: u16) -> bool {
         [self.wanted, self.storing].iter().flatten().any(|storing| storing.command == Some(number))
     }
 
-    /// Whether it is written at rest only: [`Node::store_at_rest_only`].
+    /// Returns whether it is written at rest only: [`Node::store_at_rest_only`].
     const fn is_for_rest(&self) -> bool {
         cfg!(feature = "code-flash") && self.at_rest_only
     }
@@ -121,13 +121,13 @@ impl Flash {
         self.health.store_faults.contains(FaultWord::STORE_ABSENT)
     }
 
-    /// Whether the automatic store may write: only to a flash without a fault. The content of a faulty one
-    /// may still be needed, and is overwritten only on demand.
+    /// Returns whether the automatic store may write: only to a flash without a fault. The content of a
+    /// faulty one may still be needed, and is overwritten only on demand.
     fn stores_by_itself(&self) -> bool {
         self.attached && self.health.store_faults.is_empty()
     }
 
-    /// Whether no store is under way, and none waits that is possible.
+    /// Returns whether no store is under way, and none waits that is possible.
     pub(super) fn is_idle(&self) -> bool {
         let waits = self.wanted.is_some() && !self.is_absent();
         self.storing.is_none() && !waits && (self.due.is_none() || !self.stores_by_itself())
@@ -248,14 +248,14 @@ impl Node {
         kept
     }
 
-    /// Whether commands wait, so that no motor starts: the flash that the code runs from is being written, or
-    /// is about to be.
+    /// Returns whether commands wait, so that no motor starts: the flash that the code runs from is being
+    /// written, or is about to be.
     pub(super) fn holds_commands(&self) -> bool {
         let Flash { asked, wanted, .. } = self.flash;
         self.flash.is_for_rest() && (asked || wanted.is_some()) && !self.status.state.is_driving()
     }
 
-    /// Whether a store is possible now: it would not stop the control tick of a driven motor.
+    /// Returns whether a store is possible now: it would not stop the control tick of a driven motor.
     const fn may_store(&self) -> bool {
         !self.flash.is_for_rest() || !self.status.state.is_driving()
     }
@@ -321,7 +321,8 @@ impl Node {
             return;
         }
         let wanted = self.flash.wanted.take();
-        // The store has failed. The drive stores the set again when the flash is back, also for a restore that waited behind it.
+        // The store has failed. The drive stores the set again when the flash is back, also for a restore
+        // that waited behind it.
         if [Some(storing), wanted].iter().flatten().any(|store| store.part == Part::Set) {
             self.flash.due = Some(self.flash.now);
         }

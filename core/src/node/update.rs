@@ -145,7 +145,8 @@ enum Asked {
 }
 
 impl Update {
-    /// Whether a request is a start that is forbidden: during an update, and while an image is on trial.
+    /// Returns whether a request is a start that is forbidden: during an update, and while an image is on
+    /// trial.
     pub(super) fn forbids(&self, mode: MotorMode) -> bool {
         let starts = matches!(mode, MotorMode::Drive | MotorMode::Reverse);
         starts && (self.is_busy() || self.state == UpdateState::Trial)

@@ -23,10 +23,10 @@ pub(super) const fn check() -> Check {
 }
 
 /// CRC-64/XZ over the outputs of all ticks in order: every PWM command, and after it the status if that tick
-/// reported one. Each begins with a letter (`P`, `S`), then its fields in the order of their declaration, little
-/// endian, nothing between them: `bool` and enumerations one byte (numbered from 0 in the order of declaration
-/// where the declaration gives no number), quantities their raw bits, an enumeration's contents right after it. A
-/// command's commutations are their count, then instant and step of each.
+/// reported one. Each begins with a letter (`P`, `S`), then its fields in the order of their declaration,
+/// little endian, nothing between them: `bool` and enumerations one byte (numbered from 0 in the order of
+/// declaration where the declaration gives no number), quantities their raw bits, an enumeration's contents
+/// right after it. A command's commutations are their count, then instant and step of each.
 #[derive(Clone)]
 pub struct Digest {
     crc: Check,

@@ -82,8 +82,8 @@ pub enum ReplayError {
     Read(ReadError),
     /// The initial state is not one of this drive.
     State,
-    /// The recorded node has other features than this build, so its answers would differ. Bits in the order of
-    /// [`NodeSetup::features`](super::transcript::NodeSetup::features).
+    /// The recorded node has other features than this build, so its answers would differ. Bits in the order
+    /// of [`NodeSetup::features`](super::transcript::NodeSetup::features).
     Features {
         /// Features in the transcript.
         recorded: u8,
@@ -99,7 +99,8 @@ impl From<ReadError> for ReplayError {
 }
 
 impl ReadError {
-    /// Turns `Truncated` into `Malformed` where the payload of a whole chunk ended too early: the file did not.
+    /// Turns `Truncated` into `Malformed` where the payload of a whole chunk ended too early: the file did
+    /// not.
     pub(super) const fn within_chunk(self) -> Self {
         match self {
             Self::Truncated { at, expected } => Self::Malformed { at, expected },

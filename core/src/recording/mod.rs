@@ -16,9 +16,9 @@
 //! | n | payload |
 //! | 4 | CRC-32 (ISO-HDLC) of every byte of the file so far but the CRC fields themselves |
 //!
-//! Order: one `H`, one `S`, any number of `T`, one `E`, end of file. Because the check runs on from the start,
-//! chunks that are lost, repeated or exchanged are noticed like changed bytes; because each chunk carries it, no
-//! tick is handed out that was not checked.
+//! Order: one `H`, one `S`, any number of `T`, one `E`, end of file. Because the check runs on from the
+//! start, chunks that are lost, repeated or exchanged are noticed like changed bytes; because each chunk
+//! carries it, no tick is handed out that was not checked.
 //!
 //! | chunk | payload |
 //! |---|---|
@@ -27,8 +27,9 @@
 //! | `T` | tick records, whole ones, at most [`CHUNK_BYTES`] together |
 //! | `E` | number of ticks u64, output digest u64 ([`Digest`]) |
 //!
-//! A tick record is the difference to the tick before (the first: to [`Samples::default`](crate::motor::Samples)):
-//! a change mask as varint, then in the order of the mask's bits what has changed.
+//! A tick record is the difference to the tick before (the first: to
+//! [`Samples::default`](crate::motor::Samples)): a change mask as varint, then in the order of the mask's
+//! bits what has changed.
 //!
 //! | bit | field | written as |
 //! |---|---|---|

@@ -15,8 +15,8 @@ pub struct Outputs {
     pub status: Option<Status>,
 }
 
-/// Raw bits of a field, and the number of their bytes that the digest takes. Signed values are sign-extended; values of eight bytes
-/// are unsigned.
+/// Raw bits of a field, and the number of their bytes that the digest takes. Signed values are sign-extended;
+/// values of eight bytes are unsigned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Bits {
     pub(super) value: i64,
@@ -41,8 +41,8 @@ impl fmt::Display for Bits {
     }
 }
 
-/// Visitor that is called for every field. It is one function, because code that is copied for every field, in every list, does not fit
-/// into a web page's module.
+/// Visitor that is called for every field. It is one function, because code that is copied for every field,
+/// in every list, does not fit into a web page's module.
 pub(super) type See<'a> = &'a mut dyn FnMut(&'static str, Bits);
 
 /// Names of the two parts of an answer. Each part begins with its name and letter; its fields follow.

@@ -57,8 +57,8 @@ pub fn header(file: &[u8]) -> Result<Header<'_>, ReadError> {
 }
 
 impl<'a> Recording<'a> {
-    /// Reads header and initial state. Ticks are checked as [`ticks`](Self::ticks) hands them out, or all at once
-    /// by [`verify`](Self::verify).
+    /// Reads header and initial state. Ticks are checked as [`ticks`](Self::ticks) hands them out, or all at
+    /// once by [`verify`](Self::verify).
     pub fn open(file: &'a [u8]) -> Result<Self, ReadError> {
         let mut body = Chunks::open(file)?;
         let payload = body.expect(tag::HEADER, "a header chunk")?;

@@ -5,7 +5,8 @@ use crate::motor::machine::event::{Event, Status};
 use crate::motor::{Drive, PwmCommand, Samples};
 use serde::de::DeserializeOwned;
 
-/// A device that can be replayed: the drive, with events and samples as inputs, commands and status as outputs.
+/// A device that can be replayed: the drive, with events and samples as inputs, commands and status as
+/// outputs.
 pub trait Replayable {
     /// Takes an event; at most one before each tick.
     fn handle_event(&mut self, event: Event);

@@ -19,8 +19,8 @@ pub struct Scoped<S> {
     pub first: u64,
     /// Ticks in it.
     pub ticks: u64,
-    /// True if the replay reproduces the drive: from the drive's second checkpoint on, its commands and those of the replay
-    /// are the same. `None` where the record has no second checkpoint.
+    /// True if the replay reproduces the drive: from the drive's second checkpoint on, its commands and those
+    /// of the replay are the same. `None` where the record has no second checkpoint.
     pub agrees: Option<bool>,
 }
 
@@ -49,7 +49,8 @@ impl<E: fmt::Display> fmt::Display for ScopedError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for ScopedError<E> {}
 
-/// Replays the inputs in `words` (of parameter 301) and records that run to `sink`. The digest is the replay's.
+/// Replays the inputs in `words` (of parameter 301) and records that run to `sink`. The digest is the
+/// replay's.
 ///
 /// # Errors
 /// The words are damaged or of another version, the label is too long, or the sink refuses.

@@ -17,7 +17,8 @@ const EDGES_LOST: u64 = 1 << 12;
 const LINES: u64 = 1 << 13;
 const ALL: u64 = (1 << 14) - 1;
 
-/// Appends the record of one tick; `None`, with `out` in no defined state beyond its old end, when there is no room.
+/// Appends the record of one tick; `None`, with `out` in no defined state beyond its old end, when there is
+/// no room.
 pub(super) fn encode(
     out: &mut Payload,
     event: Option<&Event>,

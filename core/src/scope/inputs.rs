@@ -1,7 +1,7 @@
 //! One tick's inputs in words: both directions, side by side.
 //!
-//! The format is made for the tick that writes it: values that are the same in nearly every tick cost nothing, and
-//! nothing is packed:
+//! The format is made for the tick that writes it: values that are the same in nearly every tick cost
+//! nothing, and nothing is packed:
 //!
 //! | words | what |
 //! |---|---|
@@ -14,7 +14,8 @@
 //! | 4 | tick number, unless one more than the last |
 //! | 1 to 5 | event: its kind, and what it carries |
 //!
-//! "Changed" is against the tick before; before the first, digital lines and skew are 0. Numbers of several words: low word first.
+//! "Changed" is against the tick before; before the first, digital lines and skew are 0. Numbers of several
+//! words: low word first.
 
 use crate::motor::machine::event::{Command, Event, Request, SlowMeasurements};
 use crate::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
@@ -97,7 +98,8 @@ impl Before {
     }
 }
 
-/// Writes one tick to the beginning of `words`, which has room for [`WORDS_MAX`]; returns the number of words written.
+/// Writes one tick to the beginning of `words`, which has room for [`WORDS_MAX`]; returns the number of words
+/// written.
 #[inline]
 pub(super) fn write(words: &mut [u16], note: Note, samples: &Samples, before: &mut Before) -> usize {
     let Samples { hall, sample_mode, current_mode, .. } = *samples;

@@ -14,8 +14,8 @@ pub const WORDS: usize = 4096;
 /// Checkpoints: one for each half of a recording.
 const CHECKPOINTS: usize = if RECORDER { 2 } else { 0 };
 
-/// The memory of a scope, whose size the shell chooses. `W` holds one word a sample of a signal, or two halves of inputs with about six
-/// words a tick.
+/// The memory of a scope, whose size the shell chooses. `W` holds one word a sample of a signal, or two
+/// halves of inputs with about six words a tick.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Memory<W: ?Sized = [u16]> {
@@ -46,8 +46,8 @@ pub(super) struct Progress {
     pub(super) phase: Phase,
     /// A change of the phase has not been reported yet.
     pub(super) changed: bool,
-    /// Samples still to come: before the trigger counts, or until the record is full. For inputs, one counts before the trigger: the first
-    /// checkpoint.
+    /// Samples still to come: before the trigger counts, or until the record is full. For inputs, one counts
+    /// before the trigger: the first checkpoint.
     pub(super) left: u16,
     pub(super) before: Quiet,
     pub(super) ring: Ring,
@@ -100,8 +100,8 @@ pub(super) struct Course {
     pub(super) patience: u8,
 }
 
-/// Longest wait of the first checkpoint for a calm tick, ticks. It takes longer than the scope's other work, so it avoids ticks that are
-/// long themselves.
+/// Longest wait of the first checkpoint for a calm tick, ticks. It takes longer than the scope's other work,
+/// so it avoids ticks that are long themselves.
 pub(super) const PATIENCE: u8 = 16;
 
 impl Progress {

@@ -1,5 +1,6 @@
-//! The virtual scope (8.4.4 of the specification) records the drive around a trigger, at the control rate: either signals, or the inputs
-//! of every tick with the drive's state before the first, which make a recording that can be replayed bit for bit.
+//! The virtual scope (8.4.4 of the specification) records the drive around a trigger, at the control rate:
+//! either signals, or the inputs of every tick with the drive's state before the first, which make a
+//! recording that can be replayed bit for bit.
 //!
 //! ```text
 //!               Request              Order, with the memory
@@ -8,8 +9,8 @@
 //!          Report, Blocks          Answer, with the memory
 //! ```
 //!
-//! The memory has one owner at any time: the scope while armed, the keeper in the background when done. The keeper reads the record to
-//! the node at the pace of the bus. A record stays until the scope is armed again.
+//! The memory has one owner at any time: the scope while armed, the keeper in the background when done. The
+//! keeper reads the record to the node at the pace of the bus. A record stays until the scope is armed again.
 
 mod inputs;
 mod keeper;

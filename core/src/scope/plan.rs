@@ -17,7 +17,8 @@ pub(super) struct Plan {
     /// Samples from before the trigger, and from it on.
     pub(super) before: u16,
     pub(super) after: u16,
-    /// Ticks between a complete sample and the next one, and the number of signals that count as read meanwhile.
+    /// Ticks between a complete sample and the next one, and the number of signals that count as read
+    /// meanwhile.
     pub(super) pause: u16,
     pub(super) rest: u8,
     pub(super) watch: Watch,

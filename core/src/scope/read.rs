@@ -13,7 +13,8 @@
 //! | | state of the drive before its first tick, postcard, two bytes a word, low byte first |
 //! | | inputs, tick by tick |
 //!
-//! The second segment goes on where the first ends. Its state shows whether a replay of the first reproduces the drive.
+//! The second segment goes on where the first ends. Its state shows whether a replay of the first reproduces
+//! the drive.
 
 use super::inputs::{self, Before, In};
 use super::memory::{Half, Memory, Record};
@@ -29,7 +30,8 @@ const FORMAT: u16 = 0x4e01;
 const HEAD: usize = 6;
 const SEGMENT_HEAD: usize = 7;
 
-/// Bytes of one piece of a state. The state is serialised anew for each piece, because there is no room for all of it.
+/// Bytes of one piece of a state. The state is serialised anew for each piece, because there is no room for
+/// all of it.
 const PIECE: usize = 96;
 
 /// Reads a record word by word, from the first.

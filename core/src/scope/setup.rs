@@ -5,7 +5,8 @@ use crate::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Signals that are read in one tick. More signals take further ticks, because a tick's time belongs to the control.
+/// Signals that are read in one tick. More signals take further ticks, because a tick's time belongs to the
+/// control.
 pub const SIGNALS_A_TICK: usize = 4;
 
 /// A requested record. It does not follow later changes of the parameters.
@@ -13,8 +14,8 @@ pub const SIGNALS_A_TICK: usize = 4;
 pub struct Setup {
     /// The signals of a sample, in the order of their bits (parameter 22).
     pub signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
-    /// Records the inputs of every tick instead of signals (parameter 300). `samples` are then ticks, and the record holds more ticks
-    /// before the trigger than `before`: as many as the memory has room for.
+    /// Records the inputs of every tick instead of signals (parameter 300). `samples` are then ticks, and the
+    /// record holds more ticks before the trigger than `before`: as many as the memory has room for.
     pub inputs: bool,
     /// Control ticks a second, stored in a recording.
     pub tick_rate: u32,
@@ -65,7 +66,8 @@ impl Setup {
         (1..=room).contains(&words)
     }
 
-    /// Returns the reason why a drive with a memory of `room` words (`None` if unknown) could not record as requested.
+    /// Returns the reason why a drive with a memory of `room` words (`None` if unknown) could not record as
+    /// requested.
     pub(crate) fn refusal(&self, room: Option<u16>) -> Result<(), Refusal> {
         match room {
             _ if self.inputs => Ok(()),

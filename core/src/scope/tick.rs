@@ -6,8 +6,8 @@
 //!                      |<-- before -->|<---- the rest ---->|          before the trigger
 //! ```
 //!
-//! Samples of signals are written to a ring. Inputs fill the two halves of the memory in turn, each after a checkpoint of the drive: so at
-//! any time one half is complete, and the other partly filled.
+//! Samples of signals are written to a ring. Inputs fill the two halves of the memory in turn, each after a
+//! checkpoint of the drive: so at any time one half is complete, and the other partly filled.
 
 use super::inputs::{self, Before, Note};
 use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
@@ -123,7 +123,8 @@ impl Memory {
         }
     }
 
-    /// Counters are updated before the signals are read, so that nothing else has to be kept during the reading.
+    /// Counters are updated before the signals are read, so that nothing else has to be kept during the
+    /// reading.
     #[inline]
     fn record_signals(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, ring) = (&self.plan, &mut self.progress.ring);
@@ -195,8 +196,8 @@ impl Memory {
         }
     }
 
-    /// Begins anew, or ends the recording: there is no half to be filled yet, or the event cannot be kept, so the inputs so
-    /// far do not lead to the present state.
+    /// Begins anew, or ends the recording: there is no half to be filled yet, or the event cannot be kept, so
+    /// the inputs so far do not lead to the present state.
     #[cold]
     fn begin_anew(&mut self, note: Note, drive: &Drive, samples: &Samples) {
         if self.progress.phase == Phase::Recording {
@@ -238,8 +239,8 @@ impl Memory {
         *before = Before { tick: samples.tick, ..Before::START };
     }
 
-    /// Watches for the trigger. A level that is crossed before there are enough samples does not count; a change of state or a
-    /// fault does.
+    /// Watches for the trigger. A level that is crossed before there are enough samples does not count; a
+    /// change of state or a fault does.
     #[inline]
     fn watch(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, before) = (&self.plan, &mut self.progress.before);

@@ -9,7 +9,7 @@ use embedded_storage_async::nor_flash::NorFlash;
 pub(super) const SECTOR: u32 = 64 << 10;
 const PIECE: usize = 256;
 
-/// Whether a range is all ones.
+/// Returns whether a range is all ones.
 pub(super) async fn is_blank<F: NorFlash>(flash: &mut F, range: Range<u32>) -> Result<bool, Failed> {
     let mut piece = [0; PIECE];
     let mut at = range.start;

@@ -6,8 +6,8 @@
 //!  |  records of one program page each, a ring    |    primary    |    mirror   |                 |
 //! ```
 //!
-//! All borders are subsectors, the smallest unit of erasing. A log erase gets its range from [`Layout::log`] and cannot
-//! reach beyond it.
+//! All borders are subsectors, the smallest unit of erasing. A log erase gets its range from [`Layout::log`]
+//! and cannot reach beyond it.
 
 use core::ops::Range;
 
@@ -40,7 +40,8 @@ pub struct Copy {
 }
 
 impl Layout {
-    /// The layout of a flash of `capacity` bytes with subsectors of `subsector` bytes; `None` if it is too small.
+    /// The layout of a flash of `capacity` bytes with subsectors of `subsector` bytes; `None` if it is too
+    /// small.
     pub fn of(capacity: u32, subsector: u32) -> Option<Self> {
         let subsectors = capacity.checked_div(subsector)?;
         let log = (u64::from(subsectors) * LOG_SHARE / 100) as u32;

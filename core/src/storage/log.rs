@@ -37,12 +37,12 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Whether nothing more can be written.
+    /// Returns whether nothing more can be written.
     pub const fn is_full(&self) -> bool {
         self.lost || (self.records > 0 && self.written >= self.records)
     }
 
-    /// Whether no record is written.
+    /// Returns whether no record is written.
     pub const fn is_erased(&self) -> bool {
         self.records > 0 && self.written == 0 && !self.lost && self.erasing.is_none()
     }
@@ -236,8 +236,9 @@ impl Log {
         Ok(low)
     }
 
-    /// Whether a page has been written. A page that is neither blank nor whole counts as the page before it:
-    /// behind a record it was left by a power cut, behind a blank page it has a bit that has fallen to 0.
+    /// Returns whether a page has been written. A page that is neither blank nor whole counts as the page
+    /// before it: behind a record it was left by a power cut, behind a blank page it has a bit that has
+    /// fallen to 0.
     async fn is_written<F: NorFlash>(&self, flash: &mut F, index: u32) -> Result<bool, Failed> {
         for back in 0..TORN_MAX {
             let Some(index) = index.checked_sub(back) else { break };

@@ -1,4 +1,5 @@
-//! The flash: parameters, their mirror, and the log, over any NOR flash; or the parameters alone, in pages of the code's own flash.
+//! The flash: parameters, their mirror, and the log, over any NOR flash; or the parameters alone, in pages of
+//! the code's own flash.
 //!
 //! ```text
 //!  Node --- Request --> Storage::execute --> flash        one request at a time, each of bounded length

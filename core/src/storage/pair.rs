@@ -32,7 +32,7 @@ impl Buffers {
         self.item.get(COUNT..self.length).unwrap_or(&[])
     }
 
-    /// Whether a map has the item that is in the buffer.
+    /// Returns whether a map has the item that is in the buffer.
     async fn holds<F: NorFlash>(
         &mut self,
         flash: &mut F,

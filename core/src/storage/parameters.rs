@@ -33,8 +33,8 @@ pub enum Part {
 pub(super) struct Unfit;
 
 impl Part {
-    /// Whether a parameter belongs to this part. Commands, and parameters that the drive itself writes,
-    /// belong to none.
+    /// Returns whether a parameter belongs to this part. Commands, and parameters that the drive itself
+    /// writes, belong to none.
     pub fn contains(self, row: &Parameter) -> bool {
         let once = row.number == number::DEVICE_NUMBER || row.category == Category::Calibration;
         row.is_stored() && once == (self == Self::Once)

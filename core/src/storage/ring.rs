@@ -75,7 +75,8 @@ pub(super) const fn room(content: usize) -> usize {
     UNIT + content.saturating_add(CRC).next_multiple_of(UNIT)
 }
 
-/// Reads the last item of a key into `buffer`, which has [`room`] for the longest; `None` if there is none that is whole.
+/// Reads the last item of a key into `buffer`, which has [`room`] for the longest; `None` if there is none
+/// that is whole.
 pub(super) async fn get<'b, F: NorFlash>(
     flash: &mut F,
     map: &Range<u32>,
@@ -89,7 +90,8 @@ pub(super) async fn get<'b, F: NorFlash>(
     read(flash, key, place, buffer).await
 }
 
-/// Writes an item behind the last one and reads it back, or begins the next page with it; false if no page takes it.
+/// Writes an item behind the last one and reads it back, or begins the next page with it; false if no page
+/// takes it.
 pub(super) async fn put<F: NorFlash>(
     flash: &mut F,
     map: &Range<u32>,

@@ -6,8 +6,8 @@
 //! | phase voltage | 10 kohm, 2.2 kohm, switched on by PB5 | 4.468 mV, up to 18.3 V |
 //! | phase current | 3 milliohm, network of 0.571, amplifier of 16 | 29.40 mA about 2.057 V |
 //!
-//! The drive wants one scale for all voltages and the mean current of the bus. Phase codes are brought to the bus voltage's scale; the bus
-//! current is what flows through the low legs to ground, times the duty.
+//! The drive wants one scale for all voltages and the mean current of the bus. Phase codes are brought to the
+//! bus voltage's scale; the bus current is what flows through the low legs to ground, times the duty.
 
 use crate::bridge::Gates;
 use narx_core::motor::{Channel, FrontEnd, SampleMode};
@@ -29,7 +29,8 @@ pub const FRONT_END: FrontEnd = FrontEnd {
 pub const CURRENT_ZERO: u16 = 2048;
 /// Nominal code of a phase current of 0: 2.057 V.
 pub const SHUNT_ZERO: u16 = 2553;
-/// Largest deviation of the measured zero from [`SHUNT_ZERO`], codes: 0.2 V. Beyond, shunt or amplifier is broken.
+/// Largest deviation of the measured zero from [`SHUNT_ZERO`], codes: 0.2 V. Beyond, shunt or amplifier is
+/// broken.
 pub const SHUNT_ZERO_TOLERANCE: u16 = 248;
 
 /// A phase code to the bus voltage's scale: (169 + 18) / 18 of it against (10 + 2.2) / 2.2, in 1/65 536.
@@ -39,8 +40,9 @@ const SATURATED: u16 = 4090;
 /// 29.395 mA a code of a shunt in codes of 8 mA, in 1/65 536.
 const SHUNT_TO_BUS: i64 = 240_817;
 
-/// A terminal's code in the scale of the bus voltage. In the middle of the on-time a switched leg is at the bus, which the divider cannot show above
-/// 18.3 V; a floating one beyond that is left at the divider's end, far from the half of the bus at which anything depends on it.
+/// A terminal's code in the scale of the bus voltage. In the middle of the on-time a switched leg is at the
+/// bus, which the divider cannot show above 18.3 V; a floating one beyond that is left at the divider's end,
+/// far from the half of the bus at which anything depends on it.
 pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u16 {
     let switched = matches!(gates, Gates::Complementary | Gates::HighOnly);
     if code >= SATURATED && switched && matches!(mode, SampleMode::OnTime) {
@@ -49,8 +51,9 @@ pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u1
     ((code as u32 * PHASE_TO_BUS) >> 16) as u16
 }
 
-/// Mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros, positive from the phase to ground: what flows through the low
-/// legs flows through the bus for the duty's share of the period. With the bridge off all that flows does so through diodes, and into the bus.
+/// Mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros, positive from the
+/// phase to ground: what flows through the low legs flows through the bus for the duty's share of the period.
+/// With the bridge off all that flows does so through diodes, and into the bus.
 pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty) -> u16 {
     let off = gates == [Gates::Off; 3];
     let legs = shunts.into_iter().zip(gates);
@@ -60,8 +63,8 @@ pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty) -> u16 {
     (i64::from(CURRENT_ZERO) + codes).clamp(0, i64::from(FrontEnd::CODE_MAX)) as u16
 }
 
-/// The code of the converter from digital to analogue that a comparator on a shunt's network compares with, to trip at so many amperes: 0.1286 V of bias and 1.713 mV
-/// an ampere.
+/// The code of the converter from digital to analogue that a comparator on a shunt's network compares with,
+/// to trip at so many amperes: 0.1286 V of bias and 1.713 mV an ampere.
 pub const fn trip_code(amperes: u16) -> u16 {
     let microvolts = 128_563 + 1_713 * amperes as i32;
     (microvolts * CODES / (SUPPLY_MV * 1000)) as u16
@@ -72,14 +75,14 @@ pub fn pin(code: u16) -> Volts {
     Volts::from_milli(i32::from(code) * SUPPLY_MV / CODES)
 }
 
-/// 0.383 of the analogue part's supply, by the code of the internal reference and the code that its maker read at 3.0 V (DS12589, section 3.18.2). A code of 0 counts as
-/// 1.
+/// 0.383 of the analogue part's supply, by the code of the internal reference and the code that its maker
+/// read at 3.0 V (DS12589, section 3.18.2). A code of 0 counts as 1.
 pub fn reference_tap(reference: u16, at_3v: u16) -> Volts {
     Volts::from_milli(3 * 383 * i32::from(at_3v) / i32::from(reference.max(1)))
 }
 
-/// Codes of the thermistor from -20 degrees C on in steps of 10: 10 kohm at 25 degrees to the supply, 4.7 kohm to ground. 1.055 V at 25 degrees is ST's figure; the B of
-/// 3435 K is an estimate.
+/// Codes of the thermistor from -20 degrees C on in steps of 10: 10 kohm at 25 degrees to the supply, 4.7
+/// kohm to ground. 1.055 V at 25 degrees is ST's figure; the B of 3435 K is an estimate.
 const THERMISTOR: [u16; 16] =
     [234, 378, 576, 833, 1141, 1484, 1841, 2187, 2506, 2787, 3026, 3224, 3385, 3515, 3620, 3704];
 const THERMISTOR_FROM: i32 = -20;

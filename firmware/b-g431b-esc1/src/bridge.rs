@@ -7,7 +7,8 @@
 //! | switched, both switches | PWM mode 1 | enabled | enabled, with dead time |
 //! | switched, diode below | PWM mode 1 | enabled | off by OSSR, inactive |
 //!
-//! A leg is never left to the pins' pull-downs: every output is driven as long as MOE is set, and by the idle states when it is not.
+//! A leg is never left to the pins' pull-downs: every output is driven as long as MOE is set, and by the idle
+//! states when it is not.
 
 use narx_core::motor::{Leg, Rectification, Step};
 
@@ -36,8 +37,8 @@ impl Gates {
         }
     }
 
-    /// Returns whether the leg has to be off for a dead time between `self` and `next`: the timer keeps the dead time only while both of the leg's
-    /// outputs stay enabled.
+    /// Returns whether the leg has to be off for a dead time between `self` and `next`: the timer keeps the
+    /// dead time only while both of the leg's outputs stay enabled.
     pub const fn needs_pause(self, next: Self) -> bool {
         !matches!(
             (self, next),

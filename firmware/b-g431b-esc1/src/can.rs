@@ -21,8 +21,8 @@ pub struct BitTiming {
 }
 
 impl BitTiming {
-    /// An exact division of `clock` into bits of 8 to 40 quanta, sampled at 87.5 % or the next place before it (CiA 301); the finest that there is. `None` where none is
-    /// exact.
+    /// An exact division of `clock` into bits of 8 to 40 quanta, sampled at 87.5 % or the next place before
+    /// it (CiA 301); the finest that there is. `None` where none is exact.
     pub const fn of(clock: u32, bit_rate: u32) -> Option<Self> {
         let mut prescaler = 1;
         while prescaler <= 512 && bit_rate > 0 {

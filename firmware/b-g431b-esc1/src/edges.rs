@@ -1,4 +1,5 @@
-//! Captured edges of the hall lines: which period they belong to, in what order they came, and what the lines were after each.
+//! Captured edges of the hall lines: which period they belong to, in what order they came, and what the lines
+//! were after each.
 
 use crate::timing::{PERIOD, instant};
 use heapless::Vec;
@@ -31,11 +32,13 @@ impl Edges {
         self.held.push(capture).is_err()
     }
 
-    /// Puts the edges of the period before the one that began at `start` (count of TIM4) into `samples`, whose hall level is of now. What is older
-    /// than that period, as after the processor stood still, is counted as lost.
+    /// Puts the edges of the period before the one that began at `start` (count of TIM4) into `samples`,
+    /// whose hall level is of now. What is older than that period, as after the processor stood still, is
+    /// counted as lost.
     pub fn take(&mut self, start: u16, samples: &mut Samples) {
         let age = |capture: &Capture| start.wrapping_sub(capture.at);
-        // After the present level was reached, the lines changed by what has been captured since the boundary.
+        // After the present level was reached, the lines changed by what has been captured since the
+        // boundary.
         let since = self.held.iter().filter(|capture| !has_ended(age(capture)));
         let mut code = since.fold(samples.hall, |code, capture| code ^ 1 << capture.line);
         // Youngest first, each takes back what it did.
@@ -59,7 +62,8 @@ impl Edges {
     }
 }
 
-/// A handful, most often in order already: neighbours are exchanged, without the kilobyte of a sort for any length.
+/// A handful, most often in order already: neighbours are exchanged, without the kilobyte of a sort for any
+/// length.
 fn sort_by(captures: &mut [Capture], key: impl Fn(&Capture) -> u16) {
     for _ in 0..captures.len() {
         for place in 0..captures.len() {
@@ -72,7 +76,8 @@ fn sort_by(captures: &mut [Capture], key: impl Fn(&Capture) -> u16) {
     }
 }
 
-/// Returns whether a capture of this age, counts before the boundary, lies before the boundary; a negative age is that of a capture in the present period.
+/// Returns whether a capture of this age, counts before the boundary, lies before the boundary; a negative
+/// age is that of a capture in the present period.
 const fn has_ended(age: u16) -> bool {
     age != 0 && age < 1 << 15
 }

@@ -1,4 +1,5 @@
-//! The flash: who stands where is the bootloader's to say ([`MAP`]); where it is in the address space, and how it is written, the chip's.
+//! The flash: who stands where is the bootloader's to say ([`MAP`]); where it is in the address space, and
+//! how it is written, the chip's.
 //!
 //! ```text
 //!  0        16 K           66 K              118 K   120 K      128 K

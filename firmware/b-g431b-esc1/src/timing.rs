@@ -1,6 +1,7 @@
 //! Counts of the timers' clock: the period, instants in it, the dead time.
 //!
-//! TIM1 makes the PWM. It counts up and down, so that every on-time is centred on the count 0, which is the boundary of the period:
+//! TIM1 makes the PWM. It counts up and down, so that every on-time is centred on the count 0, which is the
+//! boundary of the period:
 //!
 //! ```text
 //!  count of TIM1   0 ── up ──> 8500 ── down ──> 0        on while the count is below the compare value
@@ -25,7 +26,8 @@ pub const TOP: u16 = PERIOD / 2;
 pub const DEAD_TIME_NS: u16 = 800;
 /// [`DEAD_TIME_NS`] in counts.
 pub const DEAD_TIME: u16 = counts(DEAD_TIME_NS as u32);
-/// A switched leg's low side is on at least this long in every period, ns: what charges the gate driver's bootstrap capacitor.
+/// A switched leg's low side is on at least this long in every period, ns: what charges the gate driver's
+/// bootstrap capacitor.
 pub const BOOTSTRAP_NS: u16 = 2_000;
 /// Largest compare value: that low-side time and two dead times are left.
 pub const COMPARE_MAX: u16 = TOP - (counts(BOOTSTRAP_NS as u32) + 2 * DEAD_TIME) / 2;
@@ -40,7 +42,8 @@ pub fn compare(duty: Duty) -> u16 {
     (compare as u16).min(COMPARE_MAX)
 }
 
-/// The compare value that triggers the converter at `sample_at`, 1/65 536 of a period: while the count rises, so in its first half.
+/// The compare value that triggers the converter at `sample_at`, 1/65 536 of a period: while the count rises,
+/// so in its first half.
 pub fn sample_compare(sample_at: u16) -> u16 {
     part(sample_at).clamp(1, TOP - 1)
 }
@@ -50,7 +53,8 @@ pub const fn part(instant: u16) -> u16 {
     ((instant as u32 * PERIOD as u32) >> 16) as u16
 }
 
-/// The instant, 1/65 536 of a period, that is `counts` after its boundary; the last one for a whole period or more.
+/// The instant, 1/65 536 of a period, that is `counts` after its boundary; the last one for a whole period or
+/// more.
 pub const fn instant(counts: u16) -> u16 {
     if counts >= PERIOD {
         return u16::MAX;

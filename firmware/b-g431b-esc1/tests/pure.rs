@@ -30,7 +30,8 @@ fn a_period_is_17000_counts_centred_on_the_boundary() {
     for (duty, value) in [(0, 0), (1, 0), (8_192, 2_125), (16_384, 4_250), (24_576, 6_375)] {
         assert_eq!(compare(Duty::from_bits(duty)), value, "duty {duty}");
     }
-    // The low side charges the bootstrap capacitor for 2 us of every period, and two dead times surround that.
+    // The low side charges the bootstrap capacitor for 2 us of every period, and two dead times surround
+    // that.
     assert_eq!(compare(Duty::ONE), COMPARE_MAX);
     assert_eq!(u32::from(2 * (TOP - COMPARE_MAX)) * 1000 / 170, 3_600, "ns");
 }
@@ -79,7 +80,8 @@ fn the_dead_time_is_never_shorter_than_asked_for() {
 #[test]
 fn every_step_is_its_legs_on_the_timer() {
     use Rectification::{Diode, Synchronous};
-    // CCMR1 of A and B, CCMR2 of C: 68h PWM mode 1, 48h forced inactive, both preloaded. CCER: 5 both outputs, 1 the high side's.
+    // CCMR1 of A and B, CCMR2 of C: 68h PWM mode 1, 48h forced inactive, both preloaded. CCER: 5 both
+    // outputs, 1 the high side's.
     let expected = [
         (Step::Coast, Synchronous, 0x4848, 0x48, 0x111),
         (Step::AB, Synchronous, 0x4868, 0x48, 0x155),
@@ -118,8 +120,9 @@ fn every_step_is_its_legs_on_the_timer() {
 #[test]
 fn no_leg_changes_sides_without_a_dead_time() {
     const ALL: [Gates; 4] = [Gates::Off, Gates::Low, Gates::Complementary, Gates::HighOnly];
-    // The timer keeps the dead time between two states that both have both outputs enabled. A state that may have the high side on, and one that has the low
-    // side on with the other output's enable different, need a pause.
+    // The timer keeps the dead time between two states that both have both outputs enabled. A state that may
+    // have the high side on, and one that has the low side on with the other output's enable different, need
+    // a pause.
     let enabled_both = |gates: Gates| matches!(gates, Gates::Low | Gates::Complementary);
     for now in ALL {
         for next in ALL {
@@ -150,7 +153,8 @@ fn codes_are_volts_and_amperes_of_the_schematic() {
         let is = f64::from(code) * phase;
         assert!((said - is).abs() < 0.01, "code {code}: {is} V, said {said}");
     }
-    // 3 milliohm, 0.571 of the network, 16 of the amplifier: 0.0274 V an ampere. A, B, C low in turn, half duty.
+    // 3 milliohm, 0.571 of the network, 16 of the amplifier: 0.0274 V an ampere. A, B, C low in turn, half
+    // duty.
     let per_ampere = 0.003 * 0.571 * 16.0 / LSB;
     for (leg, step) in [(1, Step::AB), (2, Step::AC), (0, Step::BA)] {
         for amperes in [-6.0, -0.1, 0.0, 0.1, 1.0, 12.0] {
@@ -230,7 +234,8 @@ fn pins_and_reference_are_volts() {
 
 #[test]
 fn the_comparators_trip_between_what_is_allowed_and_what_breaks() {
-    // 0.1286 V of bias and 0.571 of 3 milliohm. The threshold that ST's own set-up uses for 45 A is 4083 of 65 536.
+    // 0.1286 V of bias and 0.571 of 3 milliohm. The threshold that ST's own set-up uses for 45 A is 4083 of
+    // 65 536.
     assert!((f64::from(analog::trip_code(45)) - 4083.0 / 16.0).abs() < 1.0);
     let amperes =
         |code: u16, offset: f64| ((f64::from(code) * 3.3 / 4096.0 + offset) - 0.128_563) / 0.001_713;

@@ -34,13 +34,15 @@ pub enum Outcome {
 pub enum Event {
     /// Nothing.
     Unchanged,
-    /// The candidate was swapped in. It is on trial: without a confirmation the next boot takes the swap back.
+    /// The candidate was swapped in. It is on trial: without a confirmation the next boot takes the swap
+    /// back.
     Swapped,
     /// The image before was swapped back.
     Reverted,
     /// The candidate was not swapped in, and is forgotten.
     Refused(ImageError),
-    /// The image on trial has not been confirmed, and the one before is none any more: the trial goes on.
+    /// The image on trial was not confirmed, but the other slot holds no valid image to swap back: the trial
+    /// goes on.
     Kept,
 }
 
@@ -126,7 +128,8 @@ fn heed_mark<F: NorFlash, S: Signatory>(
     })
 }
 
-/// The image that is to be swapped in, if it may be: verified, and not older than the one that runs. Where nothing runs any age is better.
+/// The image that is to be swapped in, if it may be: verified, and not older than the one that runs. Where
+/// nothing runs any age is better.
 fn candidate<F: NorFlash, S: Signatory>(
     flash: &mut F,
     map: &Map,

@@ -60,7 +60,8 @@ pub enum HeaderError {
     File {
         /// Length of the file, bytes.
         length: usize,
-        /// Length that it should have, bytes: header and body, or that of the header alone if the file is shorter than a header.
+        /// Length that it should have, bytes: header and body, or that of the header alone if the file is
+        /// shorter than a header.
         wanted: u32,
     },
 }

@@ -7,12 +7,12 @@ include!(concat!(env!("OUT_DIR"), "/key.rs"));
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(pub [u8; 32]);
 
-/// The key whose secret half is in firmware/keys for everybody: for the bench, the emulator and tests. A board that believes it runs
-/// anybody's program.
+/// The key whose secret half is in firmware/keys for everybody: for the bench, the emulator and tests. A
+/// board that believes it runs anybody's program.
 pub const TEST_ONLY: Key = Key(PUBLISHED);
 
-/// The key that this build was told: that of the file which the environment names as `NARX_UPDATE_KEY`, else with the feature `test-key`
-/// [`TEST_ONLY`].
+/// The key that this build was told: that of the file which the environment names as `NARX_UPDATE_KEY`, else
+/// with the feature `test-key` [`TEST_ONLY`].
 ///
 /// ```
 /// # #[cfg(feature = "test-key")]

@@ -14,12 +14,14 @@
 //!   hardware the boards' ids
 //! ```
 //!
-//! A bootloader is `match boot(&mut flash, &MAP, &Board { hardware, key: key::chosen() })`: with [`Outcome::Run`] it sets the vector table
-//! to [`Map::entry`], loads the stack pointer from its first word and enters at its second; with [`Outcome::Stay`], and with a
-//! [`Failure`], it enters nothing, says so with whatever the board has for it, and waits for a reset.
+//! A bootloader is `match boot(&mut flash, &MAP, &Board { hardware, key: key::chosen() })`: with
+//! [`Outcome::Run`] it sets the vector table to [`Map::entry`], loads the stack pointer from its first word
+//! and enters at its second; with [`Outcome::Stay`], and with a [`Failure`], it enters nothing, says so with
+//! whatever the board has for it, and waits for a reset.
 //!
-//! An application (feature `node`) makes a `Server` over its [`Slot`], gives its `slots()` to `Node::attach_update` at power-up, and in every pass
-//! of its loop one of `Node::poll_update` to `Server::execute`, whose report goes to `Node::handle_update`. An erase takes a page's time (22 ms on the
+//! An application (feature `node`) makes a `Server` over its [`Slot`], gives its `slots()` to
+//! `Node::attach_update` at power-up, and in every pass of its loop one of `Node::poll_update` to
+//! `Server::execute`, whose report goes to `Node::handle_update`. An erase takes a page's time (22 ms on the
 //! ST board); nothing of it happens beside a motor that turns.
 #![no_std]
 #![forbid(unsafe_code)]

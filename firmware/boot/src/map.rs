@@ -36,7 +36,8 @@ pub enum MapError {
     Dfu,
     /// `state` has no room for the progress of a swap.
     State,
-    /// The flash programs less than 8 bytes at once, where a torn word could look like another, or more than 32.
+    /// The flash programs less than 8 bytes at once, where a torn word could look like another, or more
+    /// than 32.
     WriteSize,
 }
 
@@ -101,7 +102,8 @@ impl Map {
         if !(8..=32).contains(&word) || !page.is_multiple_of(word) {
             return Err(MapError::WriteSize);
         }
-        // Two words each way for every page, behind magic and validity; the last word is the verdict's (mark.rs).
+        // Two words each way for every page, behind magic and validity; the last word is the verdict's
+        // (mark.rs).
         let words = 2 + 4 * (self.room() / page) + 1;
         if words > (state.end - state.start) / word { Err(MapError::State) } else { Ok(()) }
     }

@@ -1,5 +1,6 @@
-//! The state pages: what is marked to be swapped, and how far the swap is. They are embassy-boot's, which writes them; here they are
-//! read more closely, because it does not tell a swap that has begun from one that has not.
+//! The state pages: what is marked to be swapped, and how far the swap is. They are embassy-boot's, which
+//! writes them; here they are read more closely, because it does not tell a swap that has begun from one that
+//! has not.
 //!
 //! ```text
 //!  word 0            magic: swap, reverted, or anything else
@@ -62,7 +63,8 @@ impl Mark {
     }
 }
 
-/// Reads the reason for which the bootloader has refused the last candidate: a code of ours, not of embassy-boot; 0 for none.
+/// Reads the reason for which the bootloader has refused the last candidate: a code of ours, not of
+/// embassy-boot; 0 for none.
 pub(crate) fn verdict<F: NorFlash>(flash: &mut F, map: &Map) -> Result<u8, NorFlashErrorKind> {
     let mut pages = StatePages::new(flash, map);
     let last = (pages.to - pages.from) / F::WRITE_SIZE as u32 - 1;
@@ -84,7 +86,8 @@ pub(crate) fn note_verdict<F: NorFlash>(flash: &mut F, map: &Map, code: u8) -> R
     flash.write(at, word).map_err(|error| error.kind())
 }
 
-/// A flash of their own. Unlike a partition that shares its flash, it borrows nothing while it runs, so nothing of it can panic in an application.
+/// A flash of their own. Unlike a partition that shares its flash, it borrows nothing while it runs, so
+/// nothing of it can panic in an application.
 pub(crate) struct StatePages<'f, F> {
     flash: &'f mut F,
     from: u32,

@@ -27,7 +27,8 @@ impl<F: NorFlash> Server<F> {
         Self { slot, sum: CRC32.digest() }
     }
 
-    /// Reads the state of the slots that the node has to know at power-up: for [`narx_core::node::Node::attach_update`].
+    /// Reads the state of the slots that the node has to know at power-up: for
+    /// [`narx_core::node::Node::attach_update`].
     ///
     /// # Errors
     /// The flash cannot be read.

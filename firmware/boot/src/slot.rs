@@ -4,7 +4,8 @@
 //!  begin -> erase, page by page -> write, piece by piece -> crc -> mark -> reset -> (bootloader) -> confirm
 //! ```
 //!
-//! Nothing of it needs the signature, which the bootloader verifies, alone: an application that could be talked into skipping it must not matter.
+//! Nothing of it needs the signature, which the bootloader verifies, alone: an application that could be
+//! talked into skipping it must not matter.
 
 use crate::Version;
 use crate::boot;
@@ -136,7 +137,8 @@ impl<F: NorFlash> Slot<F> {
         self.flash.erase(from, from + self.page()).map_err(|error| SlotError::Flash(error.kind()))
     }
 
-    /// Writes into erased flash. Offset and length are multiples of the word that the flash programs; 32 is one of every flash.
+    /// Writes into erased flash. Offset and length are multiples of the word that the flash programs; 32 is
+    /// one of every flash.
     ///
     /// # Errors
     /// The flash fails, or the slot ends before.
@@ -154,8 +156,9 @@ impl<F: NorFlash> Slot<F> {
         self.flash.read(from, bytes).map_err(|error| SlotError::Flash(error.kind()))
     }
 
-    /// Looks at the header of what was received: an image of `length` bytes for this board, not older than the running one. All of
-    /// it the bootloader looks at again, and at the signature; said here, it is said before the reset.
+    /// Looks at the header of what was received: an image of `length` bytes for this board, not older than
+    /// the running one. All of it the bootloader looks at again, and at the signature; said here, it is said
+    /// before the reset.
     ///
     /// # Errors
     /// It is not such an image, or the flash fails.

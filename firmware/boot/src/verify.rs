@@ -31,7 +31,7 @@ pub enum ImageError {
     Hardware(u32),
     /// It is longer than the slot; bytes, header included.
     TooLong(u32),
-    /// Not one bit of it, or the key is another one.
+    /// The signature does not verify: the image was altered, or another key signed it.
     Signature,
     /// It is older than the image that runs.
     Older(crate::Version),
@@ -47,7 +47,7 @@ pub enum Refused {
     Hardware = 2,
     /// It is longer than the slot.
     TooLong = 3,
-    /// Not one bit of it, or the key is another one.
+    /// The signature does not verify: the image was altered, or another key signed it.
     Signature = 4,
     /// It is older than the image that runs.
     Older = 5,
@@ -79,8 +79,8 @@ impl ImageError {
 const CHUNK: usize = 256;
 
 impl<S: Signatory> Board<S> {
-    /// Reads and verifies the image at the beginning of `slot`, signature and all. In pieces, because the flash of a board need not be mapped into its memory: Ed25519ph hashes
-    /// the image once.
+    /// Reads and verifies the image at the beginning of `slot`, signature and all. In pieces, because the
+    /// flash of a board need not be mapped into its memory: Ed25519ph hashes the image once.
     ///
     /// # Errors
     /// The flash cannot be read.
@@ -116,7 +116,8 @@ impl<S: Signatory> Board<S> {
     }
 }
 
-/// Decodes a header and checks that its image is for this hardware and not longer than `room`, bytes. Does not verify the signature.
+/// Decodes a header and checks that its image is for this hardware and not longer than `room`, bytes. Does
+/// not verify the signature.
 ///
 /// # Errors
 /// The header is invalid, for other hardware, or its image is too long.

@@ -3,7 +3,8 @@
 use core::fmt;
 use core::str::FromStr;
 
-/// Version of an image. The order is that of the fields: a build without a higher version is newer than one with a lower build number.
+/// Version of an image. The order is that of the fields: a build without a higher version is newer than one
+/// with a lower build number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Version {
     /// Major version: the high byte of DEVICE_INFO's software release.
@@ -16,7 +17,8 @@ pub struct Version {
     pub build: u16,
 }
 
-/// A text is no version `MAJOR.MINOR.PATCH` or `MAJOR.MINOR.PATCH+BUILD`, or one of its numbers is too large (255, 255, 65535, 65535).
+/// A text is no version `MAJOR.MINOR.PATCH` or `MAJOR.MINOR.PATCH+BUILD`, or one of its numbers is too large
+/// (255, 255, 65535, 65535).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoVersion;
 

@@ -37,7 +37,8 @@ fn update(session: &mut Session, (image, bytes): (Image, Vec<u8>)) -> Result<(),
     panic!("no end: {:?}", session.master().update_progress());
 }
 
-/// The image runs, its sending takes little more than its frames on the bus, and the drive starts afterwards as it did before.
+/// The image runs, its sending takes little more than its frames on the bus, and the drive starts afterwards
+/// as it did before.
 #[test]
 fn the_virtual_drive_takes_an_image() {
     let mut session = session();

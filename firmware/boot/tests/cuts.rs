@@ -1,5 +1,6 @@
-//! The power fails in every step of an update, and again while the board recovers: it always boots a verified image, the old or the new one,
-//! whole. Signatures are hashes here (`Hasty`): that they are looked at is `slots.rs`'s business.
+//! The power fails in every step of an update, and again while the board recovers: it always boots a verified
+//! image, the old or the new one, whole. Signatures are hashes here (`Hasty`): that they are looked at is
+//! `slots.rs`'s business.
 
 use crate::support::{Flash, Hasty, MAP, NEW, OLD, active, board_with, receive, runs, slot};
 use embedded_storage::nor_flash::ReadNorFlash;
@@ -129,7 +130,8 @@ fn a_swap_that_is_cut_off_is_no_trial() {
     }
 }
 
-/// A confirmation says first that the swap no longer counts: cut off behind that, the image is no longer on trial, and stays.
+/// A confirmation says first that the swap no longer counts: cut off behind that, the image is no longer on
+/// trial, and stays.
 #[test]
 fn a_confirmation_that_has_begun_is_one() {
     let images = Images { old: Hasty::image(OLD, 1320), new: Hasty::image(NEW, 1528) };

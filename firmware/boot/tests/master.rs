@@ -111,7 +111,8 @@ fn duration() -> u64 {
     (wire.drive.now - start) / 10
 }
 
-/// Once in every millisecond of an update, all of its stages among them: its questions wait meanwhile, and are all answered then.
+/// Once in every millisecond of an update, all of its stages among them: its questions wait meanwhile, and
+/// are all answered then.
 #[test]
 fn a_drive_that_is_busy_for_a_while_is_no_failure() {
     for (after, busy) in (0..duration()).flat_map(|after| [(after, 500), (after, 1_900)]) {
@@ -125,8 +126,9 @@ fn a_drive_that_is_busy_for_a_while_is_no_failure() {
     }
 }
 
-/// Every question is asked several times before the first one is answered, and each is answered: no answer from before is taken for a later question's, least of all
-/// for a drive that has not restarted, since a second restart would bring the old image back.
+/// Every question is asked several times before the first one is answered, and each is answered: no answer
+/// from before is taken for a later question's, least of all for a drive that has not restarted, since a
+/// second restart would bring the old image back.
 #[test]
 fn a_bus_that_takes_its_time_is_no_failure() {
     for milliseconds in [90, 110, 350, 700] {

@@ -281,7 +281,8 @@ fn a_flash_that_fails_is_told() {
 }
 
 proptest! {
-    /// Whatever a master sends, in any order: no panic, no mark without an image whose CRC it has, and a window that holds.
+    /// Whatever a master sends, in any order: no panic, no mark without an image whose CRC it has, and a
+    /// window that holds.
     #[test]
     fn any_requests(steps in prop::collection::vec((0..9_u8, any::<u32>(), 0..4_u64), 1..60)) {
         let mut drive = Drive::new(factory());

@@ -87,7 +87,8 @@ fn an_image_that_is_spoiled_on_trial_is_swapped_back() {
     assert_eq!(runs(boot(&mut flash)), Some(OLD));
 }
 
-/// A bit that is lost before the swap is over, wherever a power cut has left it, in what was moved already: both images are there, and it is swapped back.
+/// A bit that is lost before the swap is over, wherever a power cut has left it, in what was moved already:
+/// both images are there, and it is swapped back.
 #[test]
 fn an_image_that_is_spoiled_in_the_swap_is_swapped_back() {
     let mut marked = board_with(&Hasty::image(OLD, 1496));
@@ -146,7 +147,8 @@ fn a_bad_candidate_is_never_swapped_in() {
     }
 }
 
-/// An update is accepted with the running version, as a repair, or with a higher one, whichever of its numbers is higher.
+/// An update is accepted with the running version, as a repair, or with a higher one, whichever of its
+/// numbers is higher.
 #[test]
 fn versions_that_may_follow() {
     let higher = [OLD, version(1, 2, 3, 5), version(1, 2, 4, 0), version(1, 3, 0, 0), version(2, 0, 0, 0)];
@@ -186,7 +188,8 @@ fn every_bit_of_an_image_counts() {
     assert_eq!(runs(Hasty::boot(&mut board_with(&good))), Some(NEW));
 }
 
-/// Bits of an image with a real signature: some of a large image, and all of two bytes of each half of the signature.
+/// Bits of an image with a real signature: some of a large image, and all of two bytes of each half of the
+/// signature.
 #[test]
 fn no_bit_of_a_signature_is_spare() {
     // It fills the slot.
@@ -253,7 +256,8 @@ fn a_file_is_a_whole_image() {
     }
 }
 
-/// The verdict is a word of the state pages' end: its code, and that inverted in every other byte. Written by halves it says nothing.
+/// The verdict is a word of the state pages' end: its code, and that inverted in every other byte. Written by
+/// halves it says nothing.
 #[test]
 fn a_verdict_that_was_cut_off_says_nothing() {
     let at = MAP.state.end - 8;
@@ -270,7 +274,8 @@ fn a_verdict_that_was_cut_off_says_nothing() {
     }
 }
 
-/// The slot has as many pages as an image has room for, though its flash goes on behind them: one more is the swap's, and no part of any image.
+/// The slot has as many pages as an image has room for, though its flash goes on behind them: one more is the
+/// swap's, and no part of any image.
 #[test]
 fn nothing_is_written_beyond_the_slot() {
     let mut flash = board_with(&image(OLD, 1000));

@@ -91,7 +91,8 @@ pub(crate) fn runs(outcome: Result<Outcome, Failure>) -> Option<Version> {
     }
 }
 
-/// Signs by the hash itself: for tests of everything but Ed25519, of which each signature takes a millisecond.
+/// Signs by the hash itself: for tests of everything but Ed25519, of which each signature takes a
+/// millisecond.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hasty;
 

@@ -1,10 +1,14 @@
-//! Counts the instructions of other people's control on the Cortex-M4F, under `-icount shift=7`, as `firmware/src/bin/count.rs` counts ours.
+//! Counts the instructions of other people's control on the Cortex-M4F, under `-icount shift=7`, as
+//! `firmware/src/bin/count.rs` counts ours.
 //!
-//! Prints `other NAME TICKS TOTAL WORST`, what they were fed with behind `#`, or `error NAME WHY` where an answer is not what it should be:
+//! Prints `other NAME TICKS TOTAL WORST`, what they were fed with behind `#`, or `error NAME WHY` where an
+//! answer is not what it should be:
 //!
-//! - `foc-space-vector`, `foc-trapezoidal`: a call of `foc::Foc::update`, that is sine and cosine, Clarke, Park, two PIs, back, and a modulator. Angle and
-//!   currents come ready; nothing is measured, limited, protected or started.
-//! - `pid-f32`: a step of `pid::Pid` on the processor's floating point, and `narx-pi`, the PI of our blocks, with the same gains.
+//! - `foc-space-vector`, `foc-trapezoidal`: a call of `foc::Foc::update`, that is sine and cosine, Clarke,
+//!   Park, two PIs, back, and a modulator. Angle and currents come ready; nothing is measured, limited,
+//!   protected or started.
+//! - `pid-f32`: a step of `pid::Pid` on the processor's floating point, and `narx-pi`, the PI of our blocks,
+//!   with the same gains.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -48,8 +52,9 @@ mod image {
         results.into_iter().collect()
     }
 
-    /// The whole controller. The rotor turns, 1 A flows in its quadrature axis, and 2 A are asked for: with a gain of 0.8 the voltage has to stand a quarter
-    /// of a turn before the rotor, wherever that is. The integrators' gain is 0: of an error that nothing mends their rounding would drift away.
+    /// The whole controller. The rotor turns, 1 A flows in its quadrature axis, and 2 A are asked for: with a
+    /// gain of 0.8 the voltage has to stand a quarter of a turn before the rotor, wherever that is. The
+    /// integrators' gain is 0: of an error that nothing mends their rounding would drift away.
     fn foc<M: Modulation>(name: &str, bracket: u32) -> Option<()> {
         // Release 0.3.0 takes the error as measurement less set-point.
         let pi = || PIController::new(I16F16::from_num(-0.8), I16F16::ZERO);
@@ -80,7 +85,8 @@ mod image {
         check(name, across, "the voltage does not go with the rotor")
     }
 
-    /// A set-point of 100 and a plant that follows the output by a hundredth a tick: both controllers have to arrive there.
+    /// A set-point of 100 and a plant that follows the output by a hundredth a tick: both controllers have to
+    /// arrive there.
     const SET_POINT: i32 = 100_000;
     const MOST: i32 = 200_000;
 

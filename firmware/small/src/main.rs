@@ -1,5 +1,5 @@
-//! Everything of the core that a small board links, without its peripherals: control tick, background, parameters, broadcasts. It is
-//! measured (`cargo xtask sizes`), not run: inputs and outputs are black boxes.
+//! Everything of the core that a small board links, without its peripherals: control tick, background,
+//! parameters, broadcasts. It is measured (`cargo xtask sizes`), not run: inputs and outputs are black boxes.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

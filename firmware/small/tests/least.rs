@@ -1,4 +1,5 @@
-//! The core without features, or with what finds the wiring of hall sensors alone: the vectors' bits are the same, and services that are left out are refused.
+//! The core without features, or with what finds the wiring of hall sensors alone: the vectors' bits are the
+//! same, and services that are left out are refused.
 
 use narx_core::bus::narmotion::{Addresses, ParameterStatus, ToDrive, XmlCommand};
 use narx_core::dictionary::{Dictionary, number};

@@ -1,5 +1,5 @@
-//! The bootloader of the emulated board: swaps, reverts and verifies in the slots, and enters the image that is signed. It says what it does, and stays
-//! where there is no such image.
+//! The bootloader of the emulated board: swaps, reverts and verifies in the slots, and enters the image that
+//! is signed. It says what it does, and stays where there is no such image.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,13 +1,16 @@
-//! Counts the instructions of every `Drive::step` in recordings: `count FILE... [--running FILE...]`, under `-icount shift=7`.
+//! Counts the instructions of every `Drive::step` in recordings: `count FILE... [--running FILE...]`, under
+//! `-icount shift=7`.
 //!
-//! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NUMBER TICKS TOTAL WORST` for every state (Table 6)
-//! over all files, and `bracket N`, what the measurement cost itself and was taken off. A tick counts for the state in which
-//! it ends. Steps that answer anything else than what was recorded are not counted: cheaper must mean the same bits.
+//! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NUMBER TICKS TOTAL WORST` for every
+//! state (Table 6) over all files, and `bracket N`, what the measurement cost itself and was taken off. A
+//! tick counts for the state in which it ends. Steps that answer anything else than what was recorded are not
+//! counted: cheaper must mean the same bits.
 //!
-//! Files behind `--running` count for no state. Each gives `running STEM TICKS TOTAL WORST`: its ticks from 0.2 s after the closed loop began. They
-//! are run twice more with a virtual scope, and give `scope STEM TICKS TOTAL WORST` and `inputs STEM TICKS TOTAL WORST`: what it adds to every
-//! tick when it records signals, and inputs; and once more with a scope on a full bus, that is with a command in every third tick, and give
-//! `loaded STEM TICKS TOTAL WORST`: what all of that adds.
+//! Files behind `--running` count for no state. Each gives `running STEM TICKS TOTAL WORST`: its ticks from
+//! 0.2 s after the closed loop began. They are run twice more with a virtual scope, and give `scope STEM
+//! TICKS TOTAL WORST` and `inputs STEM TICKS TOTAL WORST`: what it adds to every tick when it records
+//! signals, and inputs; and once more with a scope on a full bus, that is with a command in every third tick,
+//! and give `loaded STEM TICKS TOTAL WORST`: what all of that adds.
 //!
 //! `bytes WHAT N` are the sizes of things in memory.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -227,7 +230,8 @@ mod image {
     /// The scope's memory, while nobody has it.
     static MEMORY: Owned<Option<&'static mut Memory>> = Owned::nothing();
 
-    /// A drive with a scope that waits, records, and is armed again: eight signals, those of the estimators among them, or inputs.
+    /// A drive with a scope that waits, records, and is armed again: eight signals, those of the estimators
+    /// among them, or inputs.
     #[derive(Deserialize)]
     struct Scoped<const INPUTS: bool> {
         drive: Drive,
@@ -244,7 +248,8 @@ mod image {
     }
 
     impl<const INPUTS: bool> Scoped<INPUTS> {
-        /// Returns the keeper's order for this tick: a record is forced after 50 ms of waiting, and then another one is armed.
+        /// Returns the keeper's order for this tick: a record is forced after 50 ms of waiting, and then
+        /// another one is armed.
         fn order(&mut self) -> Option<Order<&'static mut Memory>> {
             self.wait = self.wait.saturating_sub(1);
             if self.scope.state() == ScopeState::Armed {
@@ -327,7 +332,8 @@ mod image {
         command: Option<Command>,
         #[serde(skip)]
         ticks: u32,
-        /// Instructions of the last step, beyond those of the one without. Nothing where the recording has an event.
+        /// Instructions of the last step, beyond those of the one without. Nothing where the recording has an
+        /// event.
         #[serde(skip)]
         added: Option<u32>,
     }

@@ -1,7 +1,7 @@
 //! Counts the instructions of the simulated motor and power stage, under `-icount shift=7`.
 //!
-//! The drive of the `qemu` image boots, starts and runs at 2000 rpm. Prints `plant coasting TICKS TOTAL WORST` for the periods with the
-//! bridge off, and `plant driving ...` for the others.
+//! The drive of the `qemu` image boots, starts and runs at 2000 rpm. Prints `plant coasting TICKS TOTAL
+//! WORST` for the periods with the bridge off, and `plant driving ...` for the others.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,7 +1,8 @@
 //! Replays recordings on the emulated board: `replay [--ticks N] FILE...`.
 //!
-//! Prints for every file `STEM TICKS DIGEST RECORDED`; with `--ticks`, of its first N ticks, `STEM TICKS DIGEST - ` and the
-//! last tick's outputs; `STEM error MESSAGE` for one that cannot be replayed, and then ends with exit code 1.
+//! Prints for every file `STEM TICKS DIGEST RECORDED`; with `--ticks`, of its first N ticks, `STEM TICKS
+//! DIGEST - ` and the last tick's outputs; `STEM error MESSAGE` for one that cannot be replayed, and then
+//! ends with exit code 1.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -4,8 +4,8 @@
 //!
 //! * `drive`: every event and step of the recordings;
 //! * `tick`: a control tick with its scope, of the virtual drive's motor that boots, starts and runs;
-//! * `background`, `node`: the background's pass, and a frame that comes or goes, while a master reads all parameters, stores them, logs, arms
-//!   the scope, and downloads scope and description;
+//! * `background`, `node`: the background's pass, and a frame that comes or goes, while a master reads all
+//!   parameters, stores them, logs, arms the scope, and downloads scope and description;
 //! * `storage`: a poll of the flash's task, and `bytes storage_task N` its size;
 //! * `master`: whatever that master is called for.
 #![cfg_attr(target_os = "none", no_std, no_main)]

@@ -1,8 +1,8 @@
 //! Counts what a drive in Standby does between two sleeps: `standby`, under `-icount shift=7`.
 //!
-//! Shell and device as on any board, with a bus on which a master asks for Standby every 50 ms, and samples of a motor at rest. Prints `standby period
-//! PERIODS TOTAL WORST`: instructions from the control interrupt to the background's WFI, both included. That there is a line at all says that every
-//! period ends asleep.
+//! Shell and device as on any board, with a bus on which a master asks for Standby every 50 ms, and samples
+//! of a motor at rest. Prints `standby period PERIODS TOTAL WORST`: instructions from the control interrupt
+//! to the background's WFI, both included. That there is a line at all says that every period ends asleep.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,4 +1,5 @@
-//! The image's own program, the RAM that it runs in and the end of its stack, as bytes and cells: for the self-tests of any Cortex-M.
+//! The image's own program, the RAM that it runs in and the end of its stack, as bytes and cells: for the
+//! self-tests of any Cortex-M.
 
 use crate::self_test::march::{Cells, march_keeping};
 use core::ptr;
@@ -19,15 +20,18 @@ unsafe extern "C" {
 
 /// The program with its constants and the first values of its variables.
 pub fn program() -> &'static [u8] {
-    // Where the flash begins at 0, a slice cannot: the vector table's first word, the stack pointer, is left out.
+    // Where the flash begins at 0, a slice cannot: the vector table's first word, the stack pointer, is left
+    // out.
     let start = (&raw const __vector_table).wrapping_add(1).cast::<u8>();
     let variables = (&raw const __edata) as usize - (&raw const __sdata) as usize;
     let end = (&raw const __sidata) as usize + variables;
-    // SAFETY: the linker script's symbols enclose what the image's file has put into the flash, and nobody writes there.
+    // SAFETY: the linker script's symbols enclose what the image's file has put into the flash, and nobody
+    // writes there.
     unsafe { core::slice::from_raw_parts(start, end - start as usize) }
 }
 
-/// Tests the RAM from its beginning to just below the stack that is in use, and leaves everything in it as it was.
+/// Tests the RAM from its beginning to just below the stack that is in use, and leaves everything in it as it
+/// was.
 ///
 /// The stack in use, some hundred bytes at the end, is not tested: whoever tests stands on it.
 #[must_use]
@@ -53,7 +57,8 @@ impl Cells for Ram {
 
     fn read(&self, index: usize) -> u32 {
         debug_assert!(index < self.words);
-        // SAFETY: a word of RAM below the stack in use. No interrupt comes meanwhile, and what lies here gets its value back before anybody looks.
+        // SAFETY: a word of RAM below the stack in use. No interrupt comes meanwhile, and what lies here gets
+        // its value back before anybody looks.
         unsafe { ptr::read_volatile(self.start.wrapping_add(index)) }
     }
 

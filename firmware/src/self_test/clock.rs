@@ -9,8 +9,8 @@ pub struct Tolerance {
     pub fast: u16,
 }
 
-/// Returns whether `counts` at a nominal `rate`, Hz, took as long as `other_counts` at `other_rate`: within the tolerance, and a count more or less,
-/// which is the phase between the two.
+/// Returns whether `counts` at a nominal `rate`, Hz, took as long as `other_counts` at `other_rate`: within
+/// the tolerance, and a count more or less, which is the phase between the two.
 pub fn agree(counts: u32, rate: u16, other_counts: u32, other_rate: u16, tolerance: Tolerance) -> bool {
     // 32 + 16 + 16 bits: no product of any of these leaves 64.
     let product =
@@ -37,12 +37,14 @@ pub struct TickMonitor {
 }
 
 impl TickMonitor {
-    /// For `rate` ticks a second and a clock of `other_rate` counts a second, either up to 65 535, that wraps at 2^32, looked at every `window` counts, from this instant on.
+    /// For `rate` ticks a second and a clock of `other_rate` counts a second, either up to 65 535, that wraps
+    /// at 2^32, looked at every `window` counts, from this instant on.
     pub const fn new(rate: u16, other_rate: u16, tolerance: Tolerance, window: u32, counts: u32) -> Self {
         Self { rate, other_rate, tolerance, window, ticks: 0, counts, is_steady: true }
     }
 
-    /// The control ticks since power-up and the other clock's counts. False once they have been apart for a window.
+    /// The control ticks since power-up and the other clock's counts. False once they have been apart for a
+    /// window.
     pub fn step(&mut self, ticks: u64, counts: u32) -> bool {
         let passed = counts.wrapping_sub(self.counts);
         if passed >= self.window {

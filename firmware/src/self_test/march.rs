@@ -1,12 +1,13 @@
-//! March C- (van de Goor, *Testing Semiconductor Memories*, 1991): finds every stuck cell, every cell that does not change, every pair of cells of
-//! which one disturbs the other, and addresses that lead nowhere, to two cells, or to another's.
+//! March C- (van de Goor, *Testing Semiconductor Memories*, 1991): finds every stuck cell, every cell that
+//! does not change, every pair of cells of which one disturbs the other, and addresses that lead nowhere, to
+//! two cells, or to another's.
 //!
 //! ```text
 //!   up (w0)   up (r0, w1)   up (r1, w0)   down (r0, w1)   down (r1, w0)   any (r0)
 //! ```
 //!
-//! 0 and 1 are words here. Between the bits of one word disturbances are found where they change a bit against the rest, for which the march is
-//! repeated with other patterns.
+//! 0 and 1 are words here. Between the bits of one word disturbances are found where they change a bit
+//! against the rest, for which the march is repeated with other patterns.
 
 /// Words of which a march makes its 0; its 1 has the other bits.
 const PATTERNS: [u32; 3] = [0, 0x5555_5555, 0x3333_3333];
@@ -32,8 +33,9 @@ pub fn march(cells: &mut impl Cells) -> bool {
     PATTERNS.iter().all(|zero| march_with(cells, *zero))
 }
 
-/// Marches over a memory in use: block by block, what was in it kept in `kept` meanwhile and put back. Of two cells that disturb each other both
-/// must lie in one block to be found. Nobody else may touch the memory, and `kept` must not be part of it.
+/// Marches over a memory in use: block by block, what was in it kept in `kept` meanwhile and put back. Of two
+/// cells that disturb each other both must lie in one block to be found. Nobody else may touch the memory,
+/// and `kept` must not be part of it.
 #[must_use]
 pub fn march_keeping(cells: &mut impl Cells, kept: &mut [u32]) -> bool {
     let (words, step) = (cells.len(), kept.len());

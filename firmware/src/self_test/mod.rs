@@ -1,4 +1,5 @@
-//! Self-tests of a microcontroller, without the microcontroller: what a board does with its memories and clocks is decided here.
+//! Self-tests of a microcontroller, without the microcontroller: what a board does with its memories and
+//! clocks is decided here.
 //!
 //! ```text
 //!   at boot    march  RAM             clock  one clock against another      a failed one is a bit of SelfTests,

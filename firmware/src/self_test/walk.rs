@@ -1,6 +1,8 @@
-//! The program in its flash: a slow walk with a CRC, over and over, compared with the sum that boot has found.
+//! The program in its flash: a slow walk with a CRC, over and over, compared with the sum that boot has
+//! found.
 //!
-//! The walk does not show whether the program was the right one at boot: the signature does, where a bootloader verifies it.
+//! The walk does not show whether the program was the right one at boot: the signature does, where a
+//! bootloader verifies it.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 
@@ -22,7 +24,8 @@ impl Walk {
         Self { expected: CRC32.checksum(program), at: 0, sum: CRC32.digest(), is_intact: true }
     }
 
-    /// Walks on by `bytes` of the same program. False from the end of the first round on whose sum was another one.
+    /// Walks on by `bytes` of the same program. False from the end of the first round on whose sum was
+    /// another one.
     pub fn step(&mut self, program: &[u8], bytes: usize) -> bool {
         let rest = program.get(self.at..).unwrap_or_default();
         let piece = rest.get(..bytes).unwrap_or(rest);

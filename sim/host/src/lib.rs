@@ -1,5 +1,5 @@
-//! Parts of the bench that need an operating system: threads for many runs at once and for long logs, sockets and terminals for
-//! other people's tools.
+//! Parts of the bench that need an operating system: threads for many runs at once and for long logs, sockets
+//! and terminals for other people's tools.
 
 #![forbid(unsafe_code)]
 

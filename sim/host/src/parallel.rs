@@ -29,9 +29,10 @@ pub fn map<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// `work` for every item on so many threads, which take the next item as they get free, because runs differ in length. The caller's thread tells each
-/// result as it comes, with the index of its item, and `None` now and then while there is none; when `tell` answers false, no further item is begun and the flag
-/// that `work` is given is set.
+/// `work` for every item on so many threads, which take the next item as they get free, because runs differ
+/// in length. The caller's thread tells each result as it comes, with the index of its item, and `None` now
+/// and then while there is none; when `tell` answers false, no further item is begun and the flag that `work`
+/// is given is set.
 pub fn for_each<T: Sync, R: Send>(
     items: &[T],
     threads: usize,

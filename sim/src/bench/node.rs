@@ -49,7 +49,8 @@ macro_rules! told {
     };
 }
 
-/// Asks the node, and writes down what it has answered if it has. Without a transcript an answer goes through no other hands: an event is large.
+/// Asks the node, and writes down what it has answered if it has. Without a transcript an answer goes through
+/// no other hands: an event is large.
 macro_rules! asked {
     ($self:ident, $call:ident, $ask:expr) => {{
         #[cfg(feature = "transcripts")]

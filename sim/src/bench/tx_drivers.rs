@@ -6,8 +6,8 @@ use crate::tx_driver::{AddError, Device, TxDriverConfig};
 use core::f64::consts::TAU;
 
 impl Bench {
-    /// Powers up a TX-Driver on the drive's bus and shaft; answers its place in [`Self::tx_drivers`]. A bus has room for 127. What it measures is no part of a recording:
-    /// the drive does not know of it.
+    /// Powers up a TX-Driver on the drive's bus and shaft; answers its place in [`Self::tx_drivers`]. A bus
+    /// has room for 127. What it measures is no part of a recording: the drive does not know of it.
     ///
     /// # Errors
     /// A sensor that cannot be, or 127 drivers already.
@@ -26,7 +26,7 @@ impl Bench {
         self.tx_drivers.devices_mut()
     }
 
-    /// Where the shaft is now.
+    /// Present position and speed of the shaft.
     pub fn shaft(&self) -> Shaft {
         let seen = self.plant.observe();
         Shaft { turns: seen.angle / TAU, speed: seen.speed }

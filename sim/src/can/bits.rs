@@ -17,15 +17,17 @@ pub fn frame_bits(frame: &Frame) -> u32 {
     u32::from(wire.length) + wire.stuff_bits() + TAIL + INTERMISSION
 }
 
-/// The most bits that any data frame with this kind of identifier and `bytes` (0..=8) data bytes occupies the bus for.
+/// The most bits that any data frame with this kind of identifier and `bytes` (0..=8) data bytes occupies the
+/// bus for.
 pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
-    // SOF, identifier, RTR, IDE, (SRR, r1,) r0, DLC, data, CRC: a stuff bit after the fifth and then every fourth.
+    // SOF, identifier, RTR, IDE, (SRR, r1,) r0, DLC, data, CRC: a stuff bit after the fifth and then every
+    // fourth.
     let stuffed = if extended { 54 } else { 34 } + 8 * bytes as u32;
     stuffed + (stuffed - 1) / 4 + TAIL + INTERMISSION
 }
 
-/// Returns the bits that a node compares with the bus while it arbitrates; the lower value wins. Identifier, RTR (or SRR), IDE and
-/// the rest of an extended identifier with its RTR, left-aligned.
+/// Returns the bits that a node compares with the bus while it arbitrates; the lower value wins. Identifier,
+/// RTR (or SRR), IDE and the rest of an extended identifier with its RTR, left-aligned.
 pub fn arbitration_field(frame: &Frame) -> u32 {
     let remote = u32::from(frame.is_remote());
     match frame.id() {

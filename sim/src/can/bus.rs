@@ -28,9 +28,10 @@ pub struct Bus<const NODES: usize, const QUEUE: usize> {
     nodes: heapless::Vec<Node<QUEUE>, NODES>,
     /// Everything before this instant is settled, ns.
     now: u64,
-    /// The bus changes nothing before this instant, ns; 0 if it has to be computed again. In most ticks of a bench the bus is idle.
+    /// The bus changes nothing before this instant, ns; 0 if it has to be computed again. In most ticks of a
+    /// bench the bus is idle.
     quiet_until: u64,
-    /// When the next frame may start, ns.
+    /// Earliest start of the next frame, ns.
     free_at: u64,
     ongoing: Option<Transmission>,
     injected: Option<Injected>,
@@ -142,15 +143,16 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         }
     }
 
-    /// Sets a node's bitrate. At another one than the bus's it understands nothing and, until it is error passive,
-    /// destroys every frame.
+    /// Sets a node's bitrate. At another one than the bus's it understands nothing and, until it is error
+    /// passive, destroys every frame.
     pub fn set_bitrate(&mut self, node: NodeIndex, bitrate: u32) {
         if let Some(node) = self.nodes.get_mut(node.0) {
             node.bitrate = bitrate;
         }
     }
 
-    /// Disturbs the next `frames` frames at bit `bit` of the wire (0 = start of frame; beyond the end: the last bit).
+    /// Disturbs the next `frames` frames at bit `bit` of the wire (0 = start of frame; beyond the end: the
+    /// last bit).
     pub fn inject_errors(&mut self, frames: u32, bit: u32) {
         self.injected = (frames > 0).then_some(Injected { bit, frames });
     }
@@ -196,13 +198,14 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         }
     }
 
-    /// When something next happens of its own, ns: the end of the frame under way, or the start of the next.
+    /// Time of the next event that needs no further input, ns: the end of the frame under way, or the start
+    /// of the next.
     pub fn next_event(&self) -> Option<u64> {
         self.ongoing.map(|ongoing| ongoing.end).or_else(|| self.next_start())
     }
 
-    /// Returns the counts so far, with the time of the frame under way up to the last [`advance`](Self::advance) (an
-    /// intermission counts when its frame ends).
+    /// Returns the counts so far, with the time of the frame under way up to the last
+    /// [`advance`](Self::advance) (an intermission counts when its frame ends).
     pub fn statistics(&self) -> BusStatistics {
         let under_way = self.ongoing.map_or(0, |ongoing| self.now.saturating_sub(ongoing.start));
         BusStatistics { busy_ns: self.statistics.busy_ns + under_way, ..self.statistics }
@@ -255,7 +258,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
 
 /// One frame after the other.
 impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
-    /// When the next frame starts. What is settled stays settled.
+    /// Time at which the next frame starts. It is never before the instant up to which the bus is settled.
     fn next_start(&self) -> Option<u64> {
         let ready = self.nodes.iter().filter_map(Node::ready_at).min()?;
         Some(ready.max(self.free_at).max(self.now))
@@ -329,8 +332,8 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         }
     }
 
-    /// Bit at which a node at a wrong bitrate destroys the frame: a sender at once, a listener with the active
-    /// error flag that it sends for six equal bits.
+    /// Bit at which a node at a wrong bitrate destroys the frame: a sender at once, a listener with the
+    /// active error flag that it sends for six equal bits.
     fn foreign_bitrate(&self) -> Option<u32> {
         let foreign = self.nodes.iter().filter(|node| node.bitrate != self.bitrate);
         foreign

@@ -54,7 +54,8 @@ pub(super) struct Node<const QUEUE: usize> {
     pub(super) overruns: u32,
     pub(super) transmit_errors: u16,
     pub(super) receive_errors: u16,
-    /// Sends nothing before this instant, ns: bus-off on a bus that stays idle, or an error-passive sender's suspension.
+    /// Sends nothing before this instant, ns: bus-off on a bus that stays idle, or an error-passive sender's
+    /// suspension.
     pub(super) held_until: u64,
     /// Number of times that a node off the bus has still to see 11 recessive bits; 0 while it takes part.
     to_see: u32,
@@ -96,14 +97,14 @@ impl<const QUEUE: usize> Node<QUEUE> {
         self.attachment != Attachment::Detached && self.to_see == 0
     }
 
-    /// When its oldest frame may start, ns; after bus-off that is when it has recovered.
+    /// Earliest start of its oldest frame, ns; after bus-off that is the end of the recovery.
     pub(super) fn ready_at(&self) -> Option<u64> {
         let pending = self.outgoing.front().filter(|_| self.attachment == Attachment::Normal)?;
         Some(pending.since.max(self.held_until))
     }
 
-    /// A frame of its own was destroyed. `acknowledge` says that nobody acknowledged it: an error-passive node
-    /// does not count that, so a lone node keeps trying and never goes bus-off.
+    /// A frame of its own was destroyed. `acknowledge` says that nobody acknowledged it: an error-passive
+    /// node does not count that, so a lone node keeps trying and never goes bus-off.
     pub(super) fn count_transmit_error(&mut self, acknowledge: bool, until_recovered: u64) {
         if acknowledge && self.error_state() == ErrorState::Passive {
             return;
@@ -134,7 +135,8 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
-    /// The bus has been idle for so many times 11 bits, and is now taken by another node: what is still to see waits for its end.
+    /// The bus has been idle for so many times 11 bits, and is now taken by another node: what is still to
+    /// see waits for its end.
     pub(super) fn watch_idle(&mut self, seen: u32) {
         if self.to_see > 0 {
             self.to_see = self.to_see.saturating_sub(seen).max(1);
@@ -142,8 +144,8 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
-    /// Another node's frame ends, with 11 recessive bits: acknowledge or error delimiter, end of frame, intermission. `idle` tells
-    /// when so many times 11 bits more have passed if nobody sends.
+    /// Another node's frame ends, with 11 recessive bits: acknowledge or error delimiter, end of frame,
+    /// intermission. `idle` tells when so many times 11 bits more have passed if nobody sends.
     pub(super) fn watch_end(&mut self, idle: impl FnOnce(u32) -> u64) {
         if self.to_see > 0 {
             self.to_see -= 1;
@@ -154,7 +156,8 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
-    /// Ends bus-off once its time is over. Returns the instant of that end, ns; `u64::MAX` for a node that is not bus-off.
+    /// Ends bus-off once its time is over. Returns the instant of that end, ns; `u64::MAX` for a node that is
+    /// not bus-off.
     pub(super) fn recover(&mut self, now: u64) -> u64 {
         if self.to_see == 0 {
             return u64::MAX;

@@ -1,5 +1,5 @@
-//! CAN frames as lines of text on a serial port: the protocol of Lawicel's CAN232 adapter, which python-can, Linux' `slcand` and
-//! most cheap adapters speak.
+//! CAN frames as lines of text on a serial port: the protocol of Lawicel's CAN232 adapter, which python-can,
+//! Linux' `slcand` and most cheap adapters speak.
 //!
 //! ```text
 //!   t1232AABB\r      data frame, 11-bit identifier 123h, 2 bytes     r1232\r      remote frame of the same
@@ -8,8 +8,9 @@
 //!   \r               the adapter's yes                               \a           its no
 //! ```
 //!
-//! [`Command`] is a line of the host, [`encode_frame`] and [`decode_frame`] are frames in either direction, [`Lines`] cuts a
-//! stream of bytes, and [`Adapter`] is the adapter itself without its serial port and its bus.
+//! [`Command`] is a line of the host, [`encode_frame`] and [`decode_frame`] are frames in either direction,
+//! [`Lines`] cuts a stream of bytes, and [`Adapter`] is the adapter itself without its serial port and its
+//! bus.
 
 use heapless::Vec;
 use narx_core::bus::{Frame, Id};
@@ -119,7 +120,8 @@ pub fn encode_frame(frame: &Frame, timestamp: Option<u16>) -> Line {
     text
 }
 
-/// A frame from a line without its end, and its time in ms if it carries one; `None` if the line is not a frame.
+/// A frame from a line without its end, and its time in ms if it carries one; `None` if the line is not a
+/// frame.
 pub fn decode_frame(text: &[u8]) -> Option<(Frame, Option<u16>)> {
     let (kind, rest) = text.split_first()?;
     let digits = if kind.is_ascii_lowercase() { 3 } else { 8 };
@@ -155,7 +157,8 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Takes a byte. At the end of a line that is its text without the end, or `None` inside if it was too long to be one.
+    /// Takes a byte. At the end of a line that is its text without the end, or `None` inside if it was too
+    /// long to be one.
     pub fn push(&mut self, byte: u8) -> Option<Option<Line>> {
         if byte != YES {
             self.too_long |= self.line.push(byte).is_err();
@@ -166,7 +169,7 @@ impl Lines {
     }
 }
 
-/// Whether an adapter takes part in the bus.
+/// Participation of an adapter in the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Channel {
     /// Neither hears nor is heard.
@@ -183,7 +186,7 @@ pub enum Channel {
 pub struct Settings {
     /// Index into [`BITRATES`].
     pub bitrate: u8,
-    /// Whether it takes part.
+    /// Participation in the bus.
     pub channel: Channel,
     /// Received frames carry the time.
     pub timestamps: bool,

@@ -22,7 +22,7 @@ pub enum SpeedLimit {
 }
 
 impl SpeedLimit {
-    /// Why a largest duty ends the speed.
+    /// Limit that stands behind a largest duty: the peak current if the duty is reduced, else the voltage.
     pub(super) fn of_duty(duty_max: f64) -> Self {
         if duty_max < DUTY_MAX { Self::PeakCurrent } else { Self::Voltage }
     }
@@ -64,7 +64,8 @@ pub(super) struct Demand {
 }
 
 impl Demand {
-    /// With a rated current and no largest speed `needed`, A; otherwise what friction takes, and a third of the rated current to accelerate.
+    /// With a rated current and no largest speed `needed`, A; otherwise what friction takes, and a third of
+    /// the rated current to accelerate.
     pub(super) fn new(plate: &Nameplate, needed: f64, asked: Option<f64>) -> Self {
         if plate.rated_current.is_some() && asked.is_none() {
             return Self { crest: needed, constant: needed, rising: 0.0 };
@@ -78,8 +79,9 @@ impl Demand {
         Self { crest: fmin(crest, CONTINUOUS), constant, rising }
     }
 
-    /// Speed at which the supply leaves this current, mechanical rpm: `V D = R I + (k + 3 L I p / 2 pi) w`. Every commutation costs the
-    /// volt-seconds that turn the current over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
+    /// Speed at which the supply leaves this current, mechanical rpm: `V D = R I + (k + 3 L I p / 2 pi) w`.
+    /// Every commutation costs the volt-seconds that turn the current over, L I / 2 in each of six a
+    /// revolution: as if the back-EMF constant were larger.
     pub(super) fn speed(&self, plate: &Nameplate, duty_max: f64) -> f64 {
         let m = &plate.motor;
         let left = VOLTAGE_SHARE * duty_max * plate.supply - m.resistance * self.constant;

@@ -87,7 +87,7 @@ impl Sweep {
         Self { span, half, middle: start.and(&half) }
     }
 
-    /// Where it arrives that turned by `turned` rad, which is about the span.
+    /// Rotation after a turn by `turned` rad, which is about the span.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn end(&self, turned: f64) -> Rotation {
         let more = turned - self.span;
@@ -110,11 +110,12 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    /// Through `middle` with `rate` rad/s, which grows by `gain` rad/s2; to 2e-8 within an eighth of a radian.
+    /// Through `middle` with `rate` rad/s, which grows by `gain` rad/s2; to 2e-8 within an eighth of a
+    /// radian.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn new(middle: &Rotation, rate: f64, gain: f64) -> Self {
-        // x = rate t + gain t^2 / 2 in sin(m + x) = sin m + x cos m - x^2 / 2 sin m - ..., and for the cosine -sin in the
-        // place of cos.
+        // x = rate t + gain t^2 / 2 in sin(m + x) = sin m + x cos m - x^2 / 2 sin m - ..., and for the cosine
+        // -sin in the place of cos.
         let (x2, x3) = (0.5 * rate * rate, (1.0 / 6.0) * rate * rate * rate);
         let (bend, skew, x4) = (0.5 * gain, 0.5 * gain * rate, (1.0 / 24.0) * rate * rate * rate * rate);
         let Rotation { sin, cos } = *middle;
@@ -147,7 +148,8 @@ pub(crate) fn fraction(x: f64) -> f64 {
     if rest < 0.0 { rest + 1.0 } else { rest }
 }
 
-/// Sine of an angle in turns, to 1e-9: the series of the distance to the nearest half turn, a quarter turn at most.
+/// Sine of an angle in turns, to 1e-9: the series of the distance to the nearest half turn, a quarter turn at
+/// most.
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn sine(turns: f64) -> f64 {
     let half = 0.5 - fraction(turns);

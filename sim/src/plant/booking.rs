@@ -13,8 +13,8 @@ pub(crate) struct Book {
     link: f64,
     /// Integral of the squares of all currents, A2 s.
     squares: f64,
-    /// With the source on: the time, s, and integrals of w, the bus voltage from where it rests without the motor, V s, and of
-    /// w^2 times the conductance at the bus, V A s.
+    /// With the source on: the time, s, and integrals of w, the bus voltage from where it rests without the
+    /// motor, V s, and of w^2 times the conductance at the bus, V A s.
     source_time: f64,
     fall: f64,
     fall_loss: f64,
@@ -31,9 +31,11 @@ impl Stage {
         let (network, start) = (&self.network, &segment.start);
         let book = &mut self.book;
         let twelfth = h * (1.0 / 12.0);
-        // Of a parabola between a and b with mean m: mean square m^2 + (b - a)^2 / 12 and less than 1e-4 beside.
+        // Of a parabola between a and b with mean m: mean square m^2 + (b - a)^2 / 12 and less than 1e-4
+        // beside.
         let square = |sum: f64, rise: f64| sum * sum * per_h + twelfth * rise * rise;
-        // Torque is back-EMF per speed times current along each coordinate, the current being such a parabola.
+        // Torque is back-EMF per speed times current along each coordinate, the current being such a
+        // parabola.
         let (s_rise, s_shape) = (end.s - start.s, &segment.shape.s);
         let mut impulse = s_shape.middle * sums.s + s_shape.slope * (h * twelfth) * s_rise;
         // along . along = 1 / k, across . across = 2.

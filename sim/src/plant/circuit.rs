@@ -32,8 +32,8 @@ impl Leg {
         SIDES[self as usize] as usize
     }
 
-    /// Sign of the diode's drop at the terminal: +1 above the bus, -1 below ground, 0 without a diode. Also the sign of the
-    /// current that it does not let through.
+    /// Sign of the diode's drop at the terminal: +1 above the bus, -1 below ground, 0 without a diode. Also
+    /// the sign of the current that it does not let through.
     #[inline]
     pub(crate) const fn diode_sign(self) -> f64 {
         const SIGNS: [f64; 8] = [0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0];
@@ -62,7 +62,7 @@ pub(crate) struct Circuit {
     pub(crate) wiring: &'static Wiring,
     /// Any leg conducts through a diode.
     pub(crate) has_diodes: bool,
-    /// Where, and in which direction.
+    /// Legs that conduct through a diode, and the direction of each.
     pub(crate) diodes: [f64; 3],
     /// The leg of the only diode, or of the first where two legs conduct and end together.
     pub(crate) lone: Option<Phase>,
@@ -156,9 +156,9 @@ impl Circuit {
         self.wiring.conducting > 0
     }
 
-    /// Voltage of the star point: the conducting legs' terminal voltages less back-EMF average to it, because their
-    /// currents sum to zero. With all legs idle the divider pulls the terminals to ground, and the low-side diodes hold the
-    /// lowest one.
+    /// Voltage of the star point: the conducting legs' terminal voltages less back-EMF average to it, because
+    /// their currents sum to zero. With all legs idle the divider pulls the terminals to ground, and the
+    /// low-side diodes hold the lowest one.
     pub(crate) fn neutral(&self, emf: &[f64; 3], v: f64, drop: f64) -> f64 {
         if self.is_tied() {
             return self.wiring.high_share * v + self.drop_idle - dot(&self.wiring.mean, emf);

@@ -1,4 +1,5 @@
-//! Back-EMF comparators: a floating phase's terminal against the mean of the three, with hysteresis and delay.
+//! Back-EMF comparators: a floating phase's terminal against the mean of the three, with hysteresis and
+//! delay.
 
 use super::config::ComparatorConfig;
 use super::hall::Capture;
@@ -24,8 +25,8 @@ impl Comparators {
         Self { config, code: 0, pending: Deque::new(), lost: 0 }
     }
 
-    /// Looks at an interval: terminal less mean of all terminals at both ends (V), straight between them, for the
-    /// part `from..to` (s) of the period.
+    /// Looks at an interval: terminal less mean of all terminals at both ends (V), straight between them, for
+    /// the part `from..to` (s) of the period.
     pub(crate) fn follow(
         &mut self,
         floating: &[bool; 3],
@@ -44,8 +45,8 @@ impl Comparators {
             if !floating[x] || !(beyond(start[x]) || beyond(end[x])) {
                 continue;
             }
-            // A jump at the start of the interval switches at once; it may even switch back before the end, which
-            // the next interval will tell.
+            // A jump at the start of the interval switches at once; it may even switch back before the end,
+            // which the next interval will tell.
             let part = if beyond(start[x]) { 0.0 } else { (edge - start[x]) / (end[x] - start[x]) };
             crossings[x] = (from + part * (to - from), bit);
         }

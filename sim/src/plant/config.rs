@@ -93,7 +93,8 @@ pub struct MotorConfig {
     pub cogging_periods: u16,
     /// Resistance drift, 1/K. Copper: 0.00393 (IEC 60028, annealed copper at 20 degrees Celsius).
     pub copper_drift: f64,
-    /// Torque-constant drift, 1/K. About -0.0011 for NdFeB, -0.0004 for SmCo magnets; -0.001 is an estimate between.
+    /// Torque-constant drift, 1/K. About -0.0011 for NdFeB, -0.0004 for SmCo magnets; -0.001 is an estimate
+    /// between.
     pub magnet_drift: f64,
     /// Winding to ambient, K/W; 0 keeps the winding at ambient temperature.
     pub thermal_resistance: f64,
@@ -176,7 +177,8 @@ pub struct InverterConfig {
 }
 
 impl Default for InverterConfig {
-    /// 15 mA at 60 V, between the 10 mA cold and 20 mA hot of Table 1. On-resistance and drop of a 100 V MOSFET at 100 degrees Celsius: estimates, the specification prints none.
+    /// 15 mA at 60 V, between the 10 mA cold and 20 mA hot of Table 1. On-resistance and drop of a 100 V
+    /// MOSFET at 100 degrees Celsius: estimates, the specification prints none.
     fn default() -> Self {
         Self { on_resistance: 0.02, diode_drop: 0.8, capacitance: 100e-6, own_conductance: 15e-3 / 60.0 }
     }

@@ -1,5 +1,5 @@
-//! The shaft's way over a period of the plant or two: predicted, so that the circuit can be solved along it, and then settled with
-//! the torque that came of it.
+//! The shaft's way over a period of the plant or two: predicted, so that the circuit can be solved along it,
+//! and then settled with the torque that came of it.
 
 use super::INSTANT;
 use super::angle::{Rotation, Sweep, Track};
@@ -11,11 +11,11 @@ use super::wiring::Wiring;
 
 /// Longest course, s: two periods at 10 kHz.
 const LENGTH_MAX: f64 = 200e-6;
-/// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
-/// against the winding's inductance within a period or two.
+/// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light
+/// for its torque swings against the winding's inductance within a period or two.
 const SWING_MAX: f64 = 0.11;
-/// Part of the rotor's swing about the angle where currents hold it, rad, that a course may be long: without friction the energy of
-/// the swing has to last for many periods.
+/// Part of the rotor's swing about the angle where currents hold it, rad, that a course may be long: without
+/// friction the energy of the swing has to last for many periods.
 const HOLD_MAX: f64 = 0.07;
 /// Courses are not made shorter than this because of a wrong prediction, s.
 const LENGTH_MIN: f64 = 5e-6;
@@ -23,8 +23,8 @@ const LENGTH_MIN: f64 = 5e-6;
 const PROGRESS: f64 = 1e-10;
 /// Largest electrical angle of a course, rad: the back-EMF is linear in it to 1e-3.
 const ANGLE_MAX: f64 = 0.27;
-/// Largest error of a phase's back-EMF because the speed was predicted wrongly: V, and part of the back-EMF. Beyond it the
-/// next courses are shorter.
+/// Largest error of a phase's back-EMF because the speed was predicted wrongly: V, and part of the back-EMF.
+/// Beyond it the next courses are shorter.
 const EMF_ERROR: (f64, f64) = (1e-3, 1e-3);
 
 /// A course, and what adds up along it.
@@ -39,7 +39,8 @@ pub(crate) struct Course {
     /// Upper bound of `length_max`, s.
     ceiling: f64,
     motion: Motion,
-    /// Value for `lean` of [`super::segment::Pace`]: effect of the electrical torque's slope on the acceleration.
+    /// Value for `lean` of [`super::segment::Pace`]: effect of the electrical torque's slope on the
+    /// acceleration.
     pub(crate) lean: f64,
     /// Electrical angular speed at its start as predicted, rad/s, and half of what it gains, rad/s2.
     rate: f64,
@@ -101,7 +102,8 @@ impl Course {
         self.length - self.elapsed
     }
 
-    /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds; `three` says that all its legs conduct.
+    /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds; `three` says that all
+    /// its legs conduct.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, three: bool, h: f64) -> Shape {
         let t = self.elapsed + 0.5 * h;
@@ -134,7 +136,8 @@ impl Course {
 }
 
 impl Stage {
-    /// Begins a course that ends with the present period, which has `rest` seconds left, with the next one, or before both.
+    /// Begins a course that ends with the present period, which has `rest` seconds left, with the next one,
+    /// or before both.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn set_out(&mut self, rest: f64, period: f64) {
         let longest = self.longest(rest + period).max(PROGRESS);
@@ -185,7 +188,8 @@ impl Stage {
         if self.shape.is_sine() { length } else { self.to_corner(length) }
     }
 
-    /// Square of the rate at which the rotor swings about where the present currents hold it, (rad/s)2, at most.
+    /// Square of the rate at which the rotor swings about where the present currents hold it, (rad/s)2, at
+    /// most.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn hold(&self) -> f64 {
         let [a, b, c] = self.electric.i;
@@ -205,7 +209,8 @@ impl Stage {
         }
     }
 
-    /// At a stop on the way: the course goes on from where the shaft is, which the torque has told since it began.
+    /// At a stop on the way: the course goes on from where the shaft is, which the torque has told since it
+    /// began.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn go_on(&mut self) {
         let course = &mut self.course;

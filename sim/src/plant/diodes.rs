@@ -12,7 +12,7 @@ const PASSED: f64 = 1e-5;
 /// Shorter times are none, s.
 const INSTANT: f64 = 1e-13;
 
-/// Whether the source changes within an interval.
+/// Change of the source within an interval.
 pub(crate) enum Change {
     Never,
     /// After so many seconds, in this state.
@@ -94,7 +94,7 @@ impl Stage {
         }
     }
 
-    /// When the source stops or starts in the next `h` seconds, which lead to `end`.
+    /// Returns the time at which the source stops or starts in the next `h` seconds, which lead to `end`.
     #[inline(never)]
     pub(crate) fn source_changes(&self, segment: &Segment, h: f64, end: &Reduced) -> Change {
         let network = &self.network;
@@ -112,7 +112,8 @@ impl Stage {
         if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
             return Change::Unclear;
         }
-        // Where the parabola with the slope at the start rises through zero, then Newton's method on the solution.
+        // Where the parabola with the slope at the start rises through zero, then Newton's method on the
+        // solution.
         let mut t = if first > 0.0 {
             -2.0 * f0 / (first + libm::sqrt(root))
         } else {

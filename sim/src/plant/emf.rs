@@ -25,8 +25,8 @@ pub(crate) struct EmfShape {
     mixes: [Mix; wiring::COUNT],
 }
 
-/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along two coordinates of a wiring: `s`, and `d` where
-/// three legs conduct or the idle leg beside two that do.
+/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along two coordinates of a wiring:
+/// `s`, and `d` where three legs conduct or the idle leg beside two that do.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mix {
     sin: [f64; 2],
@@ -100,9 +100,9 @@ impl EmfShape {
         2.0 * self.peak
     }
 
-    /// Values along the coordinates of `wiring` over `h` seconds, of a sine, that turn by `rate` electrical rad/s about the angle
-    /// `middle`: the straight line through the values at the interval's two Gauss points, so that the flux linkage is exact to
-    /// the third order.
+    /// Values along the coordinates of `wiring` over `h` seconds, of a sine, that turn by `rate` electrical
+    /// rad/s about the angle `middle`: the straight line through the values at the interval's two Gauss
+    /// points, so that the flux linkage is exact to the third order.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
@@ -114,8 +114,8 @@ impl EmfShape {
         if three { Shape { s, d: aside, idle: none } } else { Shape { s, d: none, idle: aside } }
     }
 
-    /// Returns the values of every leg over `h` seconds, as [`along`](Self::along) does along coordinates, but for a motor of any
-    /// shape; `angle` is the middle in turns.
+    /// Returns the values of every leg over `h` seconds, as [`along`](Self::along) does along coordinates,
+    /// but for a motor of any shape; `angle` is the middle in turns.
     pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Chord; 3] {
         if self.flank != 0.0 {
             return self.trapezoids(angle, rate);
@@ -130,8 +130,8 @@ impl EmfShape {
         })
     }
 
-    /// Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m sin a / a
-    /// times the angular speed.
+    /// Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope:
+    /// cos m sin a / a times the angular speed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
         let span = rate * h;
@@ -171,8 +171,8 @@ impl EmfShape {
         Some(ahead(corner).min(ahead(1.0 - corner)) * (1.0 / 6.0))
     }
 
-    /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners; `angle` is the middle in
-    /// turns.
+    /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners;
+    /// `angle` is the middle in turns.
     #[inline(never)]
     pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64) -> Shape {
         let legs = self.trapezoids(angle, rate);

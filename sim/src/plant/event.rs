@@ -62,17 +62,18 @@ impl Event {
         }
     }
 
-    /// Returns the distance beyond the event from which it counts, A or V: a current stops at zero, a voltage has to pass its edge.
+    /// Returns the distance beyond the event from which it counts, A or V: a current stops at zero, a voltage
+    /// has to pass its edge.
     pub(crate) fn edge(self) -> f64 {
         if matches!(self, Self::Stops(_)) { 0.0 } else { VOLTAGE_EDGE }
     }
 
-    /// The instant of the event inside of `bracket`: of a voltage's on the far side of it. 0 if it has been reached at the
-    /// start already.
+    /// The instant of the event inside of `bracket`: of a voltage's on the far side of it. 0 if it has been
+    /// reached at the start already.
     fn locate(self, scene: &Scene, bracket: &Bracket) -> f64 {
         let evaluate = |t: f64| self.beyond(scene, t, &scene.segment.at(scene.network, t));
-        // The place to hit is `close` wide. A voltage's begins at the edge; a current ends there exactly (`end_current`),
-        // from whichever side.
+        // The place to hit is `close` wide. A voltage's begins at the edge; a current ends there exactly
+        // (`end_current`), from whichever side.
         let (edge, close) = match self {
             Self::Stops(_) => (-5e-7, 1e-6),
             _ => (self.edge(), 1e-5),
@@ -86,7 +87,8 @@ impl Event {
                 return 0.0;
             }
         }
-        // Newton's method on the parabola through three known points gives the first guess, its slope the next ones.
+        // Newton's method on the parabola through three known points gives the first guess, its slope the
+        // next ones.
         let mut t = bracket.guess(goal);
         for attempt in 0..60 {
             if f_upper - edge < close || upper - lower < 1e-11 {
@@ -108,7 +110,7 @@ impl Event {
     }
 }
 
-/// Where an event lies: between `lower` and `upper`, with a third point `other` beside them.
+/// Bracket of an event: it lies between `lower` and `upper`, with a third point `other` beside them.
 struct Bracket {
     lower: f64,
     f_lower: f64,

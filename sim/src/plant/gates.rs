@@ -32,7 +32,7 @@ impl Gate {
 struct Driver {
     /// The switch that was on last.
     last_on: Gate,
-    /// When it turned off, s from the start of this period.
+    /// Time at which it turned off, s from the start of this period.
     off_since: f64,
     /// Waits for the dead time.
     waiting: bool,
@@ -86,7 +86,7 @@ impl Gates {
         self.gates
     }
 
-    /// When this period's sample is taken, 1/65 536 of the period.
+    /// Sampling instant of this period, 1/65 536 of the period.
     pub(crate) fn sample_at(&self) -> u16 {
         self.sample_at
     }
@@ -113,7 +113,8 @@ impl Gates {
         self.step
     }
 
-    /// At the boundary: what the last command asked for takes effect. Returns when the next gate changes: 0 if one may at once.
+    /// At the boundary: what the last command asked for takes effect. Returns when the next gate changes: 0
+    /// if one may at once.
     pub(crate) fn latch(&mut self, command: &PwmCommand) -> f64 {
         self.set_duty(command.duty);
         self.rectification = command.rectification;
@@ -129,8 +130,8 @@ impl Gates {
         if goes_on && !self.waits { self.next_change(0.0, f64::INFINITY) } else { 0.0 }
     }
 
-    /// If at the edge `t` nothing happens but that one leg changes sides: the leg, the switch that is to turn on, and when its
-    /// dead time will be over, s.
+    /// If at the edge `t` nothing happens but that one leg changes sides: the leg, the switch that is to turn
+    /// on, and when its dead time will be over, s.
     #[inline]
     pub(crate) fn side_change(&self, t: f64) -> Option<(Phase, Gate, f64)> {
         let leg = self.only_switched?;

@@ -237,7 +237,7 @@ impl Sensor {
         (self.half_turns as i64) & 1 == 0
     }
 
-    /// Where the output changes next, behind and ahead.
+    /// Sets the angles of the next output changes, behind and ahead.
     fn set_bounds(&mut self, hysteresis: f64, jitter_below: f64, jitter_above: f64) {
         let start = self.rises_at + 0.5 * self.half_turns;
         self.below = start - 0.5 * hysteresis + jitter_below;

@@ -53,7 +53,7 @@ pub struct InjectionOptions {
     pub high: bool,
 }
 
-/// Why there is no such injection.
+/// Reason why there is no such injection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InjectionError {
     /// There is no fault of this name.
@@ -126,7 +126,7 @@ impl Injection {
         })
     }
 
-    /// Where its name is in [`Injection::NAMES`].
+    /// Index of its name in [`Injection::NAMES`].
     pub const fn index(&self) -> usize {
         match self {
             Self::Ambient(_) => 0,

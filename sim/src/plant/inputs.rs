@@ -1,4 +1,5 @@
-//! Inputs that the board reads besides the tick's samples: the values on its wires, and the codes that its converter makes of them.
+//! Inputs that the board reads besides the tick's samples: the values on its wires, and the codes that its
+//! converter makes of them.
 
 use super::Plant;
 use core::fmt;
@@ -8,7 +9,8 @@ use narx_core::motor::Lines;
 use narx_core::node::{Outputs, SlowInputs};
 use narx_core::units::{Celsius, Volts};
 
-/// A slow input, in units of what it measures. Ranges are those of Table 2 where it has them, and of the simulated board elsewhere.
+/// A slow input, in units of what it measures. Ranges are those of Table 2 where it has them, and of the
+/// simulated board elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
     /// Open-circuit voltage of the source at the analog signal input, 0..=3.3 V.
@@ -48,7 +50,7 @@ pub enum Input {
 /// A value that no wire can carry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputError {
-    /// Where it was to go.
+    /// Input that the value was meant for.
     pub input: Input,
     /// The value that was refused.
     pub value: f64,
@@ -163,8 +165,8 @@ const HIGH: f64 = 3.3;
 /// The hall sensors need this much, V: an estimate.
 const HALL_SUPPLY_MIN: f64 = 3.5;
 
-/// 12-bit converters: volts a code. 3.3 V directly; the pressure amplifier, which has 5 V, over a divider to 5.12 V; the rails over
-/// dividers to 8.192 and 20.48 V.
+/// 12-bit converters: volts a code. 3.3 V directly; the pressure amplifier, which has 5 V, over a divider to
+/// 5.12 V; the rails over dividers to 8.192 and 20.48 V.
 const DIRECT: f64 = 3.3 / 4096.0;
 const PRESSURE: f64 = 5.12 / 4096.0;
 const SMALL_RAIL: f64 = 8.192 / 4096.0;
@@ -253,7 +255,8 @@ impl Plant {
         Ok(())
     }
 
-    /// Sets the wires to the drive's digital outputs, and switches the supply of the hall sensors as the drive does.
+    /// Sets the wires to the drive's digital outputs, and switches the supply of the hall sensors as the
+    /// drive does.
     pub fn set_outputs(&mut self, outputs: Outputs) {
         if outputs.digital != self.inputs.outputs {
             self.inputs.outputs = outputs.digital;

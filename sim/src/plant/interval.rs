@@ -30,14 +30,16 @@ pub(crate) struct Solved {
 enum Attempt {
     /// It is done, and took so many seconds.
     Done(f64),
-    /// The terminal of the one idle leg beside two that conduct is beyond its diode: +1 above the bus, -1 below ground.
+    /// The terminal of the one idle leg beside two that conduct is beyond its diode: +1 above the bus, -1
+    /// below ground.
     Starts(f64),
     /// It needs a closer look.
     Unclear,
 }
 
 impl Stage {
-    /// Advances by `limit` seconds or less on the present course, to the next event at most. Returns by how much.
+    /// Advances by `limit` seconds or less on the present course, to the next event at most. Returns by how
+    /// much.
     #[inline(never)]
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
         self.settle_source();
@@ -57,8 +59,9 @@ impl Stage {
         }
     }
 
-    /// Solves the circuit for `h` seconds or up to the end of the only diode's current, where nothing else can happen; `three`
-    /// says that all legs conduct. Calls nothing before all is told, so that it can keep its many numbers in registers.
+    /// Solves the circuit for `h` seconds or up to the end of the only diode's current, where nothing else
+    /// can happen; `three` says that all legs conduct. Calls nothing before all is told, so that it can keep
+    /// its many numbers in registers.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn attempt(&mut self, h: f64, topology: Loop, three: bool) -> Attempt {
         let circuit = &self.circuit;
@@ -99,15 +102,16 @@ impl Stage {
         Attempt::Done(h)
     }
 
-    /// Where something may happen before the end of what was solved. `source` says that the source certainly goes on as it is, with
-    /// the bus at `low` or above.
+    /// Ends the interval early where an event may happen before the end of the solution. `source` says that
+    /// the source certainly goes on as it is, with the bus at `low` or above.
     #[inline(never)]
     fn end_early(&mut self, segment: &Segment, solved: &Solved, source: bool, low: f64) -> f64 {
         let changed = if source { None } else { self.change_source(segment, solved, low) };
         changed.unwrap_or_else(|| self.search_and_commit(segment, segment.length()))
     }
 
-    /// Ends what was solved where the source stops or starts, if it does. Returns when; nothing if something else may happen before.
+    /// Ends what was solved where the source stops or starts, if it does. Returns when; nothing if something
+    /// else may happen before.
     fn change_source(&mut self, segment: &Segment, solved: &Solved, low: f64) -> Option<f64> {
         let (mut segment, mut solved) = (*segment, *solved);
         match self.source_changes(&segment, solved.h, &solved.end) {
@@ -162,8 +166,9 @@ impl Stage {
         t
     }
 
-    /// Lets the idle leg beside two that conduct begin to, if it can: through the high-side diode for +1, the low-side one for -1.
-    /// Then the interval begins anew; not in a loop there, before which the compiler would load all constants.
+    /// Lets the idle leg beside two that conduct begin to, if it can: through the high-side diode for +1, the
+    /// low-side one for -1. Then the interval begins anew; not in a loop there, before which the compiler
+    /// would load all constants.
     #[inline(never)]
     fn start_idle_leg(&mut self, sign: f64, limit: f64) -> f64 {
         let Some(x) =
@@ -193,7 +198,8 @@ impl Stage {
         Segment::new(network, circuit, kind, circuit.reduce(&self.electric), shape, pace, h)
     }
 
-    /// Where something may happen that is neither the plain end of a diode's current nor of the source's.
+    /// Searches for events that are neither the plain end of a diode's current nor of the source's, and
+    /// commits the time up to the first.
     #[inline(never)]
     fn search_and_commit(&mut self, segment: &Segment, h: f64) -> f64 {
         let end = segment.at(&self.network, h);
@@ -254,7 +260,8 @@ impl Stage {
         if !circuit.has_diodes {
             return true;
         }
-        // Half way the parabola through both ends with the known mean is 3/2 of the mean less a quarter of both ends.
+        // Half way the parabola through both ends with the known mean is 3/2 of the mean less a quarter of
+        // both ends.
         let middle = |sum: f64, a: f64, b: f64| 1.5 * sum * per_h - 0.25 * (a + b);
         let (s, d) = (middle(sums.s, segment.start.s, end.s), middle(sums.d, segment.start.d, end.d));
         if circuit.lone.is_some() {
@@ -265,8 +272,8 @@ impl Stage {
         !(circuit.is_against_a_diode(end.s, end.d) || circuit.is_against_a_diode(s, d))
     }
 
-    /// True if the source certainly goes on as it is until the end, and the lowest bus voltage on the way: the bus follows the
-    /// voltage at which the source gives what the motor takes, and never passes it.
+    /// True if the source certainly goes on as it is until the end, and the lowest bus voltage on the way:
+    /// the bus follows the voltage at which the source gives what the motor takes, and never passes it.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_source(&self, segment: &Segment, solved: &Solved) -> (bool, f64) {
         let Solved { h, per_h, end, sums, .. } = solved;
@@ -299,7 +306,8 @@ impl Stage {
         (low >= source_v - VOLTAGE_EDGE, low)
     }
 
-    /// True if certainly no idle leg's terminal leaves the rails in the next `h` seconds, with the bus at `low` or above.
+    /// True if certainly no idle leg's terminal leaves the rails in the next `h` seconds, with the bus at
+    /// `low` or above.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_idle_legs(&self, segment: &Segment, h: f64, low: f64) -> bool {
         let edge = self.network.drop;
@@ -317,8 +325,8 @@ impl Stage {
         }
     }
 
-    /// When the current of the only diode ends, if there is one and that is within the next `h` seconds, the state then, and the
-    /// event.
+    /// Returns the time at which the current of the only diode ends, if there is one and that is within the
+    /// next `h` seconds, the state then, and the event.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn stop(&self, segment: &Segment, h: f64) -> Option<(f64, Reduced, Event)> {
         let event = Event::Stops(self.circuit.lone?);
@@ -356,8 +364,8 @@ impl Stage {
         self.course.elapsed += h;
         self.electric.v = end.v;
         let wiring = self.circuit.wiring;
-        // Between two switching events currents hardly bend: their extremes are at the events. Where three legs conduct, two share
-        // `s` and differ by `d`.
+        // Between two switching events currents hardly bend: their extremes are at the events. Where three
+        // legs conduct, two share `s` and differ by `d`.
         let peak = if segment.has_difference() {
             self.electric.i = wiring.currents(end.s, end.d);
             let shared = 0.5 * end.s.abs() + end.d.abs();

@@ -1,4 +1,4 @@
-//! Where the energy went.
+//! Account of the energy: delivered, lost and stored.
 
 /// Energies since the start, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,7 +21,8 @@ pub struct Ledger {
     pub load: f64,
     /// Lost where a cable broke under current.
     pub arc: f64,
-    /// Electrical energy turned into mechanical energy (from one account above to another; not part of the sum).
+    /// Electrical energy turned into mechanical energy (from one account above to another; not part of the
+    /// sum).
     pub shaft: f64,
     /// Stored now, less stored at the start: bus capacitor, inductances, kinetic, cogging.
     pub stored: f64,

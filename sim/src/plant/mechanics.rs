@@ -64,7 +64,8 @@ pub(crate) struct Push {
     pub(crate) per_h: f64,
     /// Electrical angular impulse, N m s.
     pub(crate) impulse: f64,
-    /// Moment of the impulse about the middle of the interval, N m s2: positive if it acts before the middle on the whole.
+    /// Moment of the impulse about the middle of the interval, N m s2: positive if it acts before the middle
+    /// on the whole.
     pub(crate) lead: f64,
     /// Mean speed that the circuit was solved with, rad/s.
     pub(crate) speed: f64,
@@ -137,7 +138,8 @@ impl Shaft {
         Motion { speed, drift, per_inertia }
     }
 
-    /// Predicts the motion of a shaft that is held or at rest if the electrical torque is `torque` at first, N m.
+    /// Predicts the motion of a shaft that is held or at rest if the electrical torque is `torque` at first,
+    /// N m.
     fn predict_from_rest(&self, torque: f64) -> Motion {
         let coulomb = self.static_friction + self.load.constant;
         let drive = torque + self.cogging_torque * sine(self.cogging_ratio * self.angle);
@@ -188,7 +190,8 @@ impl Shaft {
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
         let inertia = self.inertia + self.load.inertia;
-        // The drag is taken at the mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+        // The drag is taken at the mean of old and new speed, which is stable whatever the inertia and
+        // conserves energy exactly.
         let drag = 0.5 * viscous * h;
         let mut sign = if self.speed > 0.0 { 1.0 } else { -1.0 };
         let mut speed =
@@ -205,8 +208,8 @@ impl Shaft {
             sign = if speed > 0.0 { 1.0 } else { -1.0 };
             mean = path * per_h;
         }
-        // Coulomb friction works along the way, drag with the mean speed; both with the mean of old and new speed, as the shaft
-        // gets its energy.
+        // Coulomb friction works along the way, drag with the mean speed; both with the mean of old and new
+        // speed, as the shaft gets its energy.
         let dragged = slid * mean.abs();
         Turn {
             speed,
@@ -239,7 +242,8 @@ impl Shaft {
         self.opposing = turn.opposing;
     }
 
-    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the shaft may stop.
+    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the
+    /// shaft may stop.
     #[cold]
     #[inline(never)]
     fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {

@@ -1,15 +1,16 @@
 //! The plant: motor, load, bridge, bus, supply and sensors, in the time of the PWM period.
 //!
-//! Every interval between two switching events is a linear circuit and is solved exactly (`interval`, `segment`, `network`);
-//! diodes and the source change state at located instants (`diodes`, `event`); the shaft is predicted and then settled
-//! over a period or two (`course`, `mechanics`). Per period:
+//! Every interval between two switching events is a linear circuit and is solved exactly (`interval`,
+//! `segment`, `network`); diodes and the source change state at located instants (`diodes`, `event`); the
+//! shaft is predicted and then settled over a period or two (`course`, `mechanics`). Per period:
 //!
 //! ```text
 //!  period k   0 |========= sample() ========| finish_period() =====================| 1
 //!               on-time ends                sample, step acts, commutations   on-time starts
 //! ```
 //!
-//! Runs with the same seed and the same commands give the same bits on every platform: plain f64 arithmetic and `libm`.
+//! Runs with the same seed and the same commands give the same bits on every platform: plain f64 arithmetic
+//! and `libm`.
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 

@@ -57,8 +57,8 @@ pub(crate) struct Network {
     modes: [[Modes; 3]; 2],
 }
 
-/// A second-order system: eigenvalues `middle +- distance` or a complex pair, and what its solution needs. The bus is told from
-/// `rest`, the voltage that it has without the motor.
+/// A second-order system: eigenvalues `middle +- distance` or a complex pair, and what its solution needs.
+/// The bus is told from `rest`, the voltage that it has without the motor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Modes {
     middle: f64,
@@ -194,10 +194,11 @@ impl Network {
         }
     }
 
-    /// Integral of S w over an interval with the source on and the motor at the bus, V A s: S, the link current, is smooth and
-    /// taken as a straight line; w, the bus voltage from its rest, has a fast part (source resistance times bus capacitance)
-    /// which a quadrature would miss. The moment of w that the line needs is exact, from the bus equation
-    /// C dw/dt = -S - g w times the time. The same equation times w gives the integral of g w^2 from that of S w.
+    /// Integral of S w over an interval with the source on and the motor at the bus, V A s: S, the link
+    /// current, is smooth and taken as a straight line; w, the bus voltage from its rest, has a fast part
+    /// (source resistance times bus capacitance) which a quadrature would miss. The moment of w that the line
+    /// needs is exact, from the bus equation C dw/dt = -S - g w times the time. The same equation times w
+    /// gives the integral of g w^2 from that of S w.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn link_power(
         &self,
@@ -238,7 +239,8 @@ impl Network {
 }
 
 impl Modes {
-    /// Returns the share that is left after `t` seconds of the distance from `rest` of a bus without the motor.
+    /// Returns the share that is left after `t` seconds of the distance from `rest` of a bus without the
+    /// motor.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn bus_decay(&self, t: f64) -> f64 {
         falling(self.a_vv * t)

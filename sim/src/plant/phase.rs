@@ -17,8 +17,8 @@ impl Phase {
     /// All three.
     pub const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
 
-    /// 0, 1 or 2. Where a phase is kept in another enumeration the compiler forgets that there are no others: then the bound
-    /// stays, as one instruction instead of a panic.
+    /// 0, 1 or 2. Where a phase is kept in another enumeration the compiler forgets that there are no others:
+    /// then the bound stays, as one instruction instead of a panic.
     pub const fn index(self) -> usize {
         let index = self as usize;
         if index < 2 { index } else { 2 }

@@ -1,11 +1,12 @@
-//! The exact solution between two switching events: which legs conduct is fixed, the back-EMF is linear in time.
+//! The exact solution between two switching events: which legs conduct is fixed, the back-EMF is linear in
+//! time.
 
 use super::circuit::{Circuit, Reduced};
 use super::emf::{Chord, Line};
 use super::network::{Loop, Modes, Network};
 
-/// Back-EMF per speed along the coordinates of a circuit, V s/rad; `idle` is that of the one idle leg beside two that conduct,
-/// less the mean of theirs.
+/// Back-EMF per speed along the coordinates of a circuit, V s/rad; `idle` is that of the one idle leg beside
+/// two that conduct, less the mean of theirs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shape {
     pub(crate) s: Chord,
@@ -30,8 +31,8 @@ pub(crate) struct Pace {
     pub(crate) speed: f64,
     /// rad/s2.
     pub(crate) acceleration: f64,
-    /// Change of the acceleration per second of interval and per unit of the torque's slope, which is computed with L times the
-    /// slopes of the currents.
+    /// Change of the acceleration per second of interval and per unit of the torque's slope, which is
+    /// computed with L times the slopes of the currents.
     pub(crate) lean: f64,
 }
 
@@ -107,7 +108,8 @@ impl Segment {
             d_slope = f_start - network.r * start.d;
             torque_slope += d_shape * d_slope;
         }
-        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one interval.
+        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction
+        // within one interval.
         let acceleration = pace.acceleration + torque_slope * pace.lean * h;
         let middle_speed = speed + acceleration * half;
         let slope = |chord: &Chord| chord.slope * middle_speed + chord.middle * acceleration;
@@ -224,7 +226,8 @@ impl Segment {
         }
     }
 
-    /// When a combination of `s` and `d` that is negative comes to zero, as the present slopes tell, s; infinity if it does not.
+    /// Time at which a negative combination of `s` and `d` reaches zero according to the present slopes, s;
+    /// infinity if it does not.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn expected_zero(&self, network: &Network, parts: &[f64; 2]) -> f64 {
         let (mut value, mut slope) = (parts[0] * self.start.s, parts[0] * self.s_slope);

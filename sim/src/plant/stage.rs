@@ -14,7 +14,8 @@ use super::phase::Phase;
 
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
-/// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
+/// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling
+/// it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
 
 /// Circuit and shaft.
@@ -271,8 +272,8 @@ impl Stage {
         }
     }
 
-    /// True if the current of `leg` would certainly go on through the diode beside the switch `gate` for the next `h`
-    /// seconds, whether that switch is on or off.
+    /// True if the current of `leg` would certainly go on through the diode beside the switch `gate` for the
+    /// next `h` seconds, whether that switch is on or off.
     pub(crate) fn stays(&self, leg: Phase, gate: Gate, h: f64) -> bool {
         let Network { drop, rate, per_l, .. } = self.network;
         let i = match gate {
@@ -283,16 +284,16 @@ impl Stage {
         if self.watched || self.open[leg] || i < CURRENT_ZERO {
             return false;
         }
-        // All that may drive it towards zero: the largest line-to-line back-EMF, two drops, and the bus unless all that
-        // conduct stay on the low side.
+        // All that may drive it towards zero: the largest line-to-line back-EMF, two drops, and the bus
+        // unless all that conduct stay on the low side.
         let own = self.shape.line_peak() * self.shaft.speed.abs() + 2.0 * drop;
         let left = i * (1.0 - rate * h) - own * per_l * h;
         let bus = self.electric.v * per_l * h;
         left > bus || (left > 0.0 && gate == Gate::Low && !self.legs.iter().any(|leg| leg.side() == 1))
     }
 
-    /// Adds the effect that the drop of a diode in `leg`, beside the switch `gate`, has on the currents in a dead time of `h`
-    /// seconds: it is much shorter than L / R, so that it acts as a whole.
+    /// Adds the effect that the drop of a diode in `leg`, beside the switch `gate`, has on the currents in a
+    /// dead time of `h` seconds: it is much shorter than L / R, so that it acts as a whole.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn drop_of_dead_time(&mut self, leg: Phase, gate: Gate, h: f64) {
         self.refresh();

@@ -1,13 +1,13 @@
-//! The way of the plant through a period: from one stop to the next, in courses of the shaft and intervals of the circuit
-//! between two switching events.
+//! The way of the plant through a period: from one stop to the next, in courses of the shaft and intervals of
+//! the circuit between two switching events.
 
 use super::gates::Gate;
 use super::phase::Phase;
 use super::{INSTANT, Plant};
 use narx_core::motor::Step;
 
-/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops, and lets other
-/// diodes conduct beside it.
+/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops,
+/// and lets other diodes conduct beside it.
 const DEAD_TIME_MARGIN: f64 = 8.0;
 
 impl Plant {
@@ -84,15 +84,17 @@ impl Plant {
         }
     }
 
-    /// During a dead time the current leads through the diode beside the switch that was on, or beside the one that will be
-    /// on: the circuit is then the same as with that switch, but for the diode's drop, and where nothing else can happen the
-    /// dead time needs no interval of its own. True if that is so beside the switch `gate` for `h` seconds.
+    /// During a dead time the current leads through the diode beside the switch that was on, or beside the
+    /// one that will be on: the circuit is then the same as with that switch, but for the diode's drop, and
+    /// where nothing else can happen the dead time needs no interval of its own. True if that is so beside
+    /// the switch `gate` for `h` seconds.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn may_skip_dead_time(&self, leg: Phase, gate: Gate, h: f64, over: f64, goal: f64) -> bool {
         over <= goal && !self.injected.driver[leg] && self.stage.stays(leg, gate, h)
     }
 
-    /// An interval that goes on beyond the edge at which `leg` begins to change sides to `gate`, to the end of its dead time.
+    /// An interval that goes on beyond the edge at which `leg` begins to change sides to `gate`, to the end
+    /// of its dead time.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn run_through_dead_time(&mut self, leg: Phase, gate: Gate, over: f64) {
         let edge = self.gates_until;
@@ -112,7 +114,8 @@ impl Plant {
     /// Sets the gates for the time from now on.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn switch(&mut self, goal: f64) {
-        // A step that changes together with the edge sets `gates_until` to 0: then more than one leg may change.
+        // A step that changes together with the edge sets `gates_until` to 0: then more than one leg may
+        // change.
         if self.gates_until == self.t
             && let Some((leg, gate, over)) = self.gates.side_change(self.t)
             && self.may_skip_dead_time(leg, gate, DEAD_TIME_MARGIN * (over - self.t), over, goal)

@@ -1,14 +1,15 @@
 //! Which legs conduct, told in coordinates in which the circuit falls apart.
 //!
-//! Whatever legs conduct, their currents sum to zero: two conducting legs leave one free current, three leave two.
+//! Whatever legs conduct, their currents sum to zero: two conducting legs leave one free current, three leave
+//! two.
 //!
 //! ```text
 //!   i = s along + d across          s = k along . i          d = across . i / 2
 //! ```
 //!
-//! `s` is the DC-link current where some legs are tied to the bus and some to ground, and the only one that the bus
-//! sees; `d` is half of the difference of two legs on the same side and decays with L / R on its own. There is one entry
-//! for every combination of idle, high and low.
+//! `s` is the DC-link current where some legs are tied to the bus and some to ground, and the only one that
+//! the bus sees; `d` is half of the difference of two legs on the same side and decays with L / R on its own.
+//! There is one entry for every combination of idle, high and low.
 
 use super::circuit::Leg;
 use super::network::Loop;
@@ -141,8 +142,8 @@ const fn wiring(index: usize, sides: [usize; 3]) -> Wiring {
     }
 }
 
-/// `along` and `across`. A leg that is alone on its side comes first; its current, or minus that of one on the low
-/// side, is `s`.
+/// `along` and `across`. A leg that is alone on its side comes first; its current, or minus that of one on
+/// the low side, is `s`.
 const fn free_currents(sides: [usize; 3], high: u8, low: u8) -> ([f64; 3], [f64; 3]) {
     let (mut along, mut across) = ([0.0; 3], [0.0; 3]);
     if high + low < 2 {

@@ -2,16 +2,16 @@
 //!
 //! Values that no source states are estimates, the same for all unless said otherwise:
 //!
-//! - **Friction** (where a no-load current is published): the no-load torque k I0 is split in halves at the no-load
-//!   speed, one Coulomb, one viscous. Bearing and hysteresis losses are about constant, windage and eddy currents
-//!   grow with speed; no source splits them.
-//! - **Back-EMF**: sinusoidal, as slotless and flat designs are commonly taken and as the sources of the others model
-//!   them, unless the estimates of a motor say otherwise; no data sheet prints a shape.
+//! - **Friction** (where a no-load current is published): the no-load torque k I0 is split in halves at the
+//!   no-load speed, one Coulomb, one viscous. Bearing and hysteresis losses are about constant, windage and
+//!   eddy currents grow with speed; no source splits them.
+//! - **Back-EMF**: sinusoidal, as slotless and flat designs are commonly taken and as the sources of the
+//!   others model them, unless the estimates of a motor say otherwise; no data sheet prints a shape.
 //! - **Thermal resistance** from winding to ambient: 100 K over the copper loss at the rated current with the
-//!   winding at 125 degrees Celsius, which is how a rated current at 25 degrees Celsius ambient is defined. The
-//!   time constant, 60 s, is a guess.
-//! - **Cogging**: none for slotless motors; 2 % of the rated torque for slotted ones, its periods those of a common
-//!   number of slots for that number of poles.
+//!   winding at 125 degrees Celsius, which is how a rated current at 25 degrees Celsius ambient is defined.
+//!   The time constant, 60 s, is a guess.
+//! - **Cogging**: none for slotless motors; 2 % of the rated torque for slotted ones, its periods those of a
+//!   common number of slots for that number of poles.
 
 mod faulhaber;
 mod maxon;
@@ -32,7 +32,7 @@ pub struct Preset {
     pub motor: MotorConfig,
     /// Published operating points.
     pub data: DataSheet,
-    /// Where each figure comes from.
+    /// Source of each figure.
     pub sources: &'static [Source],
     /// Estimated values, and how they were estimated.
     pub estimates: &'static [&'static str],
@@ -56,8 +56,8 @@ pub struct DataSheet {
 }
 
 impl Preset {
-    /// Rated torque, N m; where the source prints none, what the rated current (6 A, the drive's own, without one) gives
-    /// beside 10 % for friction.
+    /// Rated torque, N m; where the source prints none, what the rated current (6 A, the drive's own, without
+    /// one) gives beside 10 % for friction.
     pub fn rated_torque(&self) -> f64 {
         let by_current = 0.9 * self.motor.torque_constant * self.data.rated_current.unwrap_or(6.0);
         self.data.rated_torque.unwrap_or(by_current)
@@ -69,7 +69,7 @@ impl Preset {
 pub struct Source {
     /// Which figures.
     pub figures: &'static str,
-    /// Where they are printed.
+    /// Place where they are printed.
     pub place: &'static str,
 }
 

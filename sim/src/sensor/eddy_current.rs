@@ -38,12 +38,12 @@ pub struct EddyCurrent {
     measuring_range: MeasuringRange,
 }
 
-/// Why a sensor cannot be.
+/// Reason why a sensor cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SensorError {
     /// Such a measuring range, mm.
     Range(f64),
-    /// So much noise, mm rms.
+    /// Noise, mm rms.
     Noise(f64),
     /// A target whose place is not a number.
     Target,
@@ -58,7 +58,8 @@ impl EddyCurrent {
         if !(0.0..=NOISE_MAX).contains(&config.noise) {
             return Err(SensorError::Noise(config.noise));
         }
-        // Every part of the distance takes part in it at some speed and angle, and what is not finite stays so.
+        // Every part of the distance takes part in it at some speed and angle, and what is not finite stays
+        // so.
         let parts = config.target.distance(&Shaft { turns: 0.1, speed: 1.0 });
         if !parts.is_finite() {
             return Err(SensorError::Target);

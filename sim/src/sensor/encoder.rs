@@ -1,4 +1,5 @@
-//! The incremental encoder: two tracks a quarter of a period apart, hence four counts to a period, and no index (the connector has no line for one).
+//! The incremental encoder: two tracks a quarter of a period apart, hence four counts to a period, and no
+//! index (the connector has no line for one).
 
 use super::Shaft;
 

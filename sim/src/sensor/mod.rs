@@ -5,7 +5,8 @@
 //!    └────> encoder ──> counts
 //! ```
 //!
-//! The specification prints nothing of sensors but that they have a measuring range: noise and motions are our estimates.
+//! The specification prints nothing of sensors but that they have a measuring range: noise and motions are
+//! our estimates.
 
 mod eddy_current;
 mod encoder;

@@ -3,7 +3,8 @@
 use super::Shaft;
 use core::f64::consts::TAU;
 
-/// A surface and how it moves. Its distance from the start of the measuring range is the sum of what stands here.
+/// A surface and how it moves. Its distance from the start of the measuring range is the sum of what stands
+/// here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// At angle 0 and standstill, without run-out, mm.
@@ -27,8 +28,8 @@ pub struct Harmonic {
     pub phase_deg: f64,
 }
 
-/// Play of the bearings. The magnets centre the rotor with a force that grows with the way; what it drives (a fan, a pump) pushes with one
-/// that grows with the speed's square, and the other way round in reverse.
+/// Play of the bearings. The magnets centre the rotor with a force that grows with the way; what it drives (a
+/// fan, a pump) pushes with one that grows with the speed's square, and the other way round in reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxialPlay {
     /// From end to end, mm.
@@ -45,7 +46,8 @@ impl Target {
         Self { run_out: [seen(1, 0.020), seen(2, 0.005)], ..Self::still(rest) }
     }
 
-    /// A disc on the shaft's end, seen along the shaft: it wobbles by 8 um, and its bearings have 0.1 mm of play.
+    /// A disc on the shaft's end, seen along the shaft: it wobbles by 8 um, and its bearings have 0.1 mm of
+    /// play.
     pub fn face(rest: f64) -> Self {
         let wobble = Harmonic { order: 1, amplitude: 0.008, phase_deg: 0.0 };
         let play = AxialPlay { length: 0.1, end_speed: 400.0 };

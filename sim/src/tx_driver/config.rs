@@ -19,8 +19,8 @@ pub struct TxDriverConfig {
 }
 
 impl TxDriverConfig {
-    /// A driver of one channel of 2 mm with factory values but for its node-id. It looks at the shaft's surface; a second channel would a quarter of
-    /// the way around.
+    /// A driver of one channel of 2 mm with factory values but for its node-id. It looks at the shaft's
+    /// surface; a second channel would a quarter of the way around.
     pub fn new(node: NodeId) -> Self {
         let mut configuration = Configuration::new();
         // Every node-id is one of the entry's values.
@@ -30,7 +30,7 @@ impl TxDriverConfig {
     }
 }
 
-/// Why a TX-Driver cannot be added.
+/// Reason why a TX-Driver cannot be added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AddError {
     /// One of its sensors cannot be.

@@ -9,7 +9,8 @@ use narx_core::eddycan::{Configuration, Sample, TxDriver, Variant};
 #[cfg(feature = "transcripts")]
 use {super::notes::Notes, alloc::vec::Vec};
 
-/// Frames in its controller. So what it sends is never older than one frame, and a position that waits in the device is replaced by the next.
+/// Frames in its controller. So what it sends is never older than one frame, and a position that waits in the
+/// device is replaced by the next.
 const MAILBOXES: usize = 1;
 
 /// A TX-Driver on a bus.
@@ -81,21 +82,22 @@ impl Device {
         &self.sensors
     }
 
-    /// Puts other sensors, or the same ones before other targets, in the place of its sensors. The device goes on with the ranges that it was powered up
-    /// with.
+    /// Puts other sensors, or the same ones before other targets, in the place of its sensors. The device
+    /// goes on with the ranges that it was powered up with.
     pub const fn set_sensors(&mut self, sensors: [EddyCurrent; 2]) {
         self.sensors = sensors;
     }
 
-    /// Powers it up anew from what it has stored, and writes down what it is told and asked from then on: [`Device::transcript`].
+    /// Powers it up anew from what it has stored, and writes down what it is told and asked from then on:
+    /// [`Device::transcript`].
     #[cfg(feature = "transcripts")]
     pub fn begin_transcript(&mut self, label: &str) {
         self.driver = TxDriver::new(self.variant, self.stored);
         self.notes = Notes::new(self.variant, self.stored, label);
     }
 
-    /// Transcript of its inputs and queries since it last started, to be [run again](narx_core::recording::transcript); empty without
-    /// [`Device::begin_transcript`].
+    /// Transcript of its inputs and queries since it last started, to be [run
+    /// again](narx_core::recording::transcript); empty without [`Device::begin_transcript`].
     #[cfg(feature = "transcripts")]
     pub fn transcript(&self) -> Vec<u8> {
         self.notes.as_ref().map_or_else(Vec::new, |notes| notes.finish(&self.driver))

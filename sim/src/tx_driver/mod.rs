@@ -64,7 +64,7 @@ impl TxDrivers {
         Ok(place)
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     pub const fn is_empty(&self) -> bool {
         self.devices.is_empty()
     }
@@ -79,7 +79,8 @@ impl TxDrivers {
         &mut self.devices
     }
 
-    /// Lets them run to `now_ns`, where the shaft is at `shaft`; the bus is settled up to their last step. In between the shaft turns evenly.
+    /// Lets them run to `now_ns`, where the shaft is at `shaft`; the bus is settled up to their last step. In
+    /// between the shaft turns evenly.
     pub fn run<const NODES: usize, const QUEUE: usize>(
         &mut self,
         bus: &mut Bus<NODES, QUEUE>,

@@ -1,5 +1,5 @@
-//! A small board with slots and its bootloader. Its owner signs by the hash itself: that Ed25519 is looked at is the business of other tests, and it takes
-//! a thousand times as long.
+//! A small board with slots and its bootloader. The hash itself serves as the signature: other tests check
+//! Ed25519, which takes a thousand times as long.
 
 use embedded_storage::nor_flash::ReadNorFlash;
 use narx_boot::{
@@ -13,7 +13,7 @@ const PAGE: usize = 512;
 pub(crate) type Flash = InternalFlash<Sparse, PAGE>;
 
 pub(crate) const HARDWARE: u32 = 0x4E61_7278;
-/// Four pages that run, five for the candidate.
+/// Four pages for the active image, five for the candidate.
 pub(crate) const MAP: Map =
     Map::stacked([PAGE as u32, 4 * PAGE as u32, 5 * PAGE as u32, PAGE as u32, PAGE as u32]);
 const CAPACITY: u32 = 12 * PAGE as u32;
@@ -31,7 +31,7 @@ pub(crate) fn version(minor: u8) -> Version {
     Version { major: 1, minor, patch: 0, build: 0 }
 }
 
-/// A signed image whose body follows from its version.
+/// Builds a signed image whose body follows from its version.
 pub(crate) fn image(hardware: u32, version: Version, words: usize) -> Vec<u8> {
     let body: Vec<u8> = (0..8 * words).map(|at| (at as u8).wrapping_mul(31) ^ version.minor).collect();
     let signed = Header { hardware, version, length: body.len() as u32 }.encode();
@@ -45,7 +45,7 @@ fn hash(signed: &[u8], body: &[u8]) -> [u8; 64] {
     hash.finalize()
 }
 
-/// A flash on which nothing runs yet.
+/// A flash without an image.
 pub(crate) const fn blank() -> Flash {
     Flash::new(Sparse::new(), CAPACITY, 1)
 }
@@ -54,7 +54,7 @@ pub(crate) fn slot(flash: &mut Flash) -> Slot<&mut Flash> {
     Slot::new(flash, MAP, HARDWARE).expect("the map fits the flash")
 }
 
-/// What the bootloader does. Where it enters an image, that is one of the owner's for this board, byte by byte.
+/// Runs the bootloader. An image that it enters must be one of the owner's for this board, byte by byte.
 pub(crate) fn boot(flash: &mut Flash) -> Result<Outcome, Failure> {
     let outcome = narx_boot::boot(flash, &MAP, &Board { hardware: HARDWARE, key: Hash });
     if let Ok(Outcome::Run { header, .. }) = &outcome {
@@ -70,7 +70,7 @@ pub(crate) fn boot(flash: &mut Flash) -> Result<Outcome, Failure> {
     outcome
 }
 
-/// The active slot.
+/// Content of the active slot.
 pub(crate) fn active(flash: &mut Flash) -> Vec<u8> {
     let mut bytes = vec![0; MAP.room() as usize];
     flash.read(MAP.active.start, &mut bytes).expect("it has its power");

@@ -1,11 +1,12 @@
-//! The bootloader: any slots and state pages, swaps that are cut off anywhere, and headers of files.
+//! Target: the bootloader with any slots and state pages, swaps that are cut off anywhere, and headers of
+//! files.
 
 use crate::board::{Flash, HARDWARE, MAP, blank, boot, image, slot, version};
 use crate::program::Program;
 use narx_boot::{Event, HEADER_LENGTH, Header, Outcome, SIGNED_LENGTH};
 use narx_sim::flash::Tear;
 
-/// First byte even: a file. Odd: steps that change the flash, then two boots.
+/// Runs an input. First byte even: a file. Odd: steps that change the flash, then two boots.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     if program.byte().is_multiple_of(2) {
@@ -21,7 +22,8 @@ pub fn run(data: &[u8]) {
         return;
     }
     match (first, second) {
-        // What runs goes on running; a trial that nobody has confirmed ends, and what comes instead was verified, too.
+        // The running image stays; a trial that was not confirmed ends, and the image that replaces it was
+        // verified, too.
         (Outcome::Run { header, event }, Outcome::Run { header: after, event: next }) => {
             let reverts = event == Event::Swapped && next == Event::Reverted;
             assert!(reverts || header == after, "{header:?} {event:?}, then {after:?} {next:?}");
@@ -33,15 +35,16 @@ pub fn run(data: &[u8]) {
 
 struct Life {
     flash: Flash,
-    /// Somebody has written what neither the bootloader nor an application writes: it may stay then, but never run what is not signed.
+    /// The flash was changed in a way in which neither the bootloader nor an application changes it: the
+    /// bootloader may then stay, but never enter an image that is not signed.
     tampered: bool,
-    /// The bootloader has run.
+    /// True after the first run of the bootloader.
     booted: bool,
-    /// An application runs: the last boot was not cut off, and entered one.
+    /// An application runs: the last boot was not cut off, and entered an image.
     running: bool,
 }
 
-/// What a header says is said again by its signed part, and where its reserved bytes are zero it is the same.
+/// Checks that a header is decoded to the same again after its signed part was encoded.
 fn file(bytes: &[u8]) {
     let Some((head, _)) = bytes.split_first_chunk::<HEADER_LENGTH>() else {
         Header::of(bytes).expect_err("shorter than a header");
@@ -64,12 +67,12 @@ impl Life {
         let what = program.byte();
         let slots = [MAP.active.start, MAP.dfu.start, MAP.dfu.start + 512];
         match what % 8 {
-            // A good image, or one for another board.
+            // A valid image, or one for another board.
             0 | 1 => {
                 let (minor, words) = (program.byte(), program.byte());
                 let hardware = if what & 0x80 != 0 { HARDWARE + 1 } else { HARDWARE };
                 let image = image(hardware, version(minor), usize::from(words % 192) + 1);
-                // A factory does so before the first boot; later the slots are the bootloader's.
+                // A factory loads images before the first boot; later only the bootloader may.
                 self.tampered |= self.booted;
                 self.flash.load(slots[usize::from(what >> 3) % 3], &image);
             }
@@ -101,7 +104,7 @@ impl Life {
                 let _ = slot(&mut self.flash).erase(page);
             }
             4..=6 => drop(self.boot()),
-            // A boot that the power ends.
+            // A boot that a power cut ends.
             _ => {
                 let tear = [Tear::Nothing, Tear::Partial, Tear::Garbage][usize::from(what >> 3) % 3];
                 self.booted = true;
@@ -113,7 +116,7 @@ impl Life {
         }
     }
 
-    /// With its power. What has run once runs for ever.
+    /// Boots without a power cut. Once an image has run, an image must run after every boot.
     fn boot(&mut self) -> Outcome {
         let outcome = boot(&mut self.flash).expect("it has its power");
         let runs = matches!(outcome, Outcome::Run { .. });

@@ -1,4 +1,5 @@
-//! Frames: what a decoder takes, its encoder writes again, in both protocols and in every text that a frame stands in.
+//! Target: frames. Every frame that a decoder accepts is encoded to itself again, in both protocols and in
+//! every text form.
 
 use crate::program::Program;
 use narx_core::bus::candump::{self, Content};
@@ -9,7 +10,7 @@ use narx_core::bus::narmotion::{
 use narx_core::bus::{Frame, eddycan};
 use narx_sim::can::slcan;
 
-/// Any frames.
+/// Runs an input: any frames.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     while !program.is_over() {
@@ -20,7 +21,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// slcan, candump and the serialised form bring the frame back.
+/// Checks that slcan, candump and the serialised form give the frame back.
 fn texts(frame: &Frame, number: usize) {
     let stamp = (number % 2 == 1).then_some(number as u16);
     let line = slcan::encode_frame(frame, stamp);
@@ -67,7 +68,8 @@ fn narmotion(frame: &Frame) {
     }
 }
 
-/// What the codec writes is what the table says of the frame's fields: both know the same message, and nothing besides its fields is kept.
+/// Checks that the codec writes what the table of messages gives for the frame's fields: both agree about the
+/// message, and nothing besides its fields is kept.
 fn by_table(id: MessageId, frame: &Frame, again: &Frame) {
     let message = Message::of(id).expect("what has a decoder stands in the table");
     let (_, words) = Words::of(frame).expect("it was decoded");
@@ -75,7 +77,7 @@ fn by_table(id: MessageId, frame: &Frame, again: &Frame) {
     for field in message.fields() {
         field.put(field.raw(words), &mut canonical).expect("as many bits as were read");
     }
-    // Of reserved measurements nothing is known, and nothing is lost.
+    // Reserved measurements have no known fields; all of their content is kept.
     if message.fields().next().is_none() && message.kind == MessageKind::SlaveTx {
         canonical = words;
     }
@@ -91,7 +93,7 @@ fn eddycan(frame: &Frame) {
     if let Ok(message) = to_node {
         let again = message.encode();
         assert_eq!(ToNode::decode(&again), Ok(message));
-        // Data that a request does not carry are sent as zeros.
+        // Data that a request does not use are sent as zeros.
         let bare = |message| {
             let ToNode::Sdo { request, .. } = message else { return false };
             matches!(request.action, SdoAction::Read | SdoAction::Unknown { .. })
@@ -103,7 +105,8 @@ fn eddycan(frame: &Frame) {
         assert!(to_node.is_err(), "a message in both directions");
         let again = message.encode(node, layout);
         assert_eq!(FromNode::decode(&again, layout), Ok((node, message)));
-        // Other nodes' errors are longer, and their answers have bytes that do not count or another command for the same value.
+        // Errors of other nodes are longer, and their answers have unused bytes, or another command for the
+        // same value.
         let bare = match message {
             FromNode::Error { .. } => frame.dlc() > 2,
             FromNode::Sdo(eddycan::SdoAnswer { outcome, .. }) => {

@@ -1,10 +1,10 @@
-//! Logs of can-utils: single lines, and whole logs as columns.
+//! Target: logs of can-utils, as single lines and as whole logs in columns.
 
 use narx_core::bus::candump::{self, Content, Line};
 use narx_core::bus::narmotion::MESSAGES;
 use narx_host::can_log::{CanLog, Config, Ends, Kind, Values, flag, node};
 
-/// A log.
+/// Runs an input: a log.
 pub fn run(data: &[u8]) {
     let lines: Vec<&[u8]> = data.split(|byte| *byte == b'\n').collect();
     let frames = lines.iter().filter(|text| is_frame(text)).count();
@@ -12,11 +12,13 @@ pub fn run(data: &[u8]) {
         let mut log = CanLog::new(Config { ends, encoders: u128::from(data.len() as u64) });
         log.read_candump(data, 2);
         check(&log);
-        // All of its lines are frames, errors or empty; whether the last one counts is a question of its neighbours.
+        // All of its lines are frames, errors or empty; the lines before it decide whether the last one
+        // counts.
         assert!(log.frames.time.len() == frames || log.frames.time.len() + 1 == frames, "{frames}");
         assert!(log.lines <= lines.len());
 
-        // Two logs one behind the other are one log, if the last line is whole: whether half a line counts is a question of the lines before it.
+        // Two logs in sequence are one log if the last line is complete: the lines before an incomplete line
+        // decide whether it counts.
         let whole = data.ends_with(b"\n");
         let cut = data.iter().position(|byte| *byte == b'\n').map_or(data.len(), |at| at + 1);
         let (first, second) = data.split_at(cut);
@@ -29,7 +31,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// Whether a line reads as a frame; what it says then is said again by the line that we write.
+/// Returns whether a line is a frame; if so, checks that the line that we write has the same content.
 fn is_frame(text: &[u8]) -> bool {
     let Ok(Some(line)) = Line::parse(text) else { return false };
     assert!(line.time.is_finite());
@@ -41,7 +43,7 @@ fn is_frame(text: &[u8]) -> bool {
     true
 }
 
-/// Columns are as long as each other, and every row of a table is a frame that says so.
+/// Checks that all columns have equal length, and that every row of a table is a frame that refers to it.
 fn check(log: &CanLog) {
     let frames = &log.frames;
     let rows = frames.time.len();

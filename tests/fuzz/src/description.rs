@@ -1,4 +1,5 @@
-//! The drive's description as a master reads it: any bytes, or the real document with some of its bytes changed.
+//! Target: the drive's description as a master reads it: any bytes, or the real document with some of its
+//! bytes changed.
 
 use crate::program::Program;
 use narx_core::bus::narmotion::Addresses;
@@ -16,7 +17,8 @@ static DOCUMENT: LazyLock<String> = LazyLock::new(|| {
     text
 });
 
-/// First byte even: the text. Odd: changes of the real document, each a place, how many bytes of it, and what stands there instead.
+/// Runs an input. First byte even: the text. Odd: changes of the real document, each with a position, a
+/// number of bytes, and the bytes that replace them.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     if program.byte().is_multiple_of(2) {
@@ -40,7 +42,8 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// Every row can be used, an error is the last word, and its place is where the reader was.
+/// Reads a text; checks that every row is usable, that an error is final, and that its position is the
+/// reader's.
 fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) {
     let mut reader = DescriptionReader::new();
     let mut parameters = Vec::new();

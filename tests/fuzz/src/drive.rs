@@ -1,4 +1,5 @@
-//! The drive as a shell links it, with its flash and a scope: frames, ticks, samples and trouble in any order.
+//! Target: the drive as a shell links it, with its flash and a scope: frames, ticks, samples and disturbances
+//! in any order.
 
 mod watch;
 
@@ -16,15 +17,15 @@ use narx_core::storage::{Part, Report, Request, Storage};
 use narx_core::units::{Celsius, Volts};
 use watch::Watch;
 
-/// Of the scope: more than a chunk of either kind of record.
+/// Words of the scope: more than a chunk of either kind of record.
 const SCOPE_WORDS: usize = 1024;
-/// Ticks of one life: half a second of boot and one and a half more.
+/// Longest life, ticks: 0.5 s of boot and 1.5 s more.
 const LIFE: u64 = 20_000;
-/// A drive in Standby, ticks.
+/// Ticks until a drive is in Standby.
 const BOOT: u64 = 5_100;
 
-/// First byte: bit 0 for a drive that is ready to start, else one with factory parameters and a blank flash; bit 1 for one that has booted.
-/// Then steps; a reboot goes on with what is left of them.
+/// Runs an input. First byte: bit 0 for a drive that is ready to start, else one with factory parameters and
+/// a blank flash; bit 1 for one that has booted. Steps follow; after a reboot the remaining steps go on.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let first = program.byte();
@@ -43,28 +44,28 @@ pub fn run(data: &[u8]) {
     while live(&mut world, &mut program, boot) {}
 }
 
-/// What outlives a reboot.
+/// State that survives a reboot.
 struct World {
     storage: Storage<Chip>,
     samples: Samples,
-    /// Sectors a tick, 2^-16: a shaft that somebody else turns.
+    /// Speed of a shaft that is turned from outside, sectors per tick, 2^-16.
     turning: i16,
     angle: u16,
-    /// Ticks until the flash answers.
+    /// Delay of the flash's answers, ticks.
     hold: u8,
-    /// What the flash must hold, once both parts are known.
+    /// Parameters that the flash must hold, once both parts are known.
     stored: Option<Parameters>,
-    /// The next store writes both parts: the flash has no layout yet.
+    /// True if the next store writes both parts: the flash has no layout yet.
     both: bool,
     lived: u64,
 }
 
-/// A healthy board at rest: 24 V, no current.
+/// Samples of a healthy board at rest: 24 V, no current.
 fn at_rest() -> Samples {
     Samples { bus_voltage: 1_229, bus_current: 2_048, hall: 0b001, ..Samples::default() }
 }
 
-/// From power-up to a reboot (true), or to the end of the program.
+/// Runs from power-up to a reboot (true), or to the end of the program.
 fn live(world: &mut World, program: &mut Program<'_>, boot: u64) -> bool {
     let opened = open(&mut world.storage);
     let known = world.stored.replace(opened.parameters.clone());
@@ -104,13 +105,13 @@ struct Life<'q, 'm, 'w> {
     addresses: Addresses,
     watch: Watch,
     now: u64,
-    /// What the flash has done, and when it says so.
+    /// Report of the flash, and the time at which it is delivered.
     report: Option<(u64, Report)>,
     world: &'w mut World,
 }
 
 impl Life<'_, '_, '_> {
-    /// One step of the program.
+    /// Runs one step of the program.
     fn obey(&mut self, program: &mut Program<'_>) {
         match program.byte() % 10 {
             0 => self.give(&program.frame()),
@@ -127,7 +128,7 @@ impl Life<'_, '_, '_> {
                     &ToDrive::SetParameter { number, value: program.long() as i32 }.encode(self.addresses),
                 );
             }
-            // 0 and 1 are what commands and switches take.
+            // The values 0 and 1, which commands and switches take.
             4 => {
                 let number = program.word() % 320;
                 for value in [0, 1] {
@@ -178,13 +179,13 @@ impl Life<'_, '_, '_> {
         self.world.lived += 1;
     }
 
-    /// What the shell does behind the node: frames to the bus, and a restart.
+    /// Does the shell's work: frames to the bus, and a restart.
     fn act(&mut self) {
         let node = self.background.node();
         while let Some(frame) = node.poll_frame() {
             self.watch.heard(&frame);
         }
-        // A download at the pace of the bus.
+        // One frame of a download in three ticks: the pace of the bus.
         if self.now.is_multiple_of(3)
             && let Some(frame) = node.poll_bulk_frame()
         {
@@ -193,7 +194,7 @@ impl Life<'_, '_, '_> {
         self.watch.reboots |= node.poll_action() == Some(Action::Reboot);
     }
 
-    /// One request of the flash at a time.
+    /// Serves one request of the flash at a time.
     fn serve(&mut self) {
         let World { storage, hold, stored, both, .. } = self.world;
         if let Some((_, report)) = self.report.take_if(|(due, _)| *due <= self.now) {
@@ -220,7 +221,7 @@ impl Life<'_, '_, '_> {
         self.report = Some((self.now + u64::from(*hold), report));
     }
 
-    /// What the converters and lines say from now on.
+    /// Changes the samples of converters and lines from now on.
     fn sample(&mut self, program: &mut Program<'_>) {
         let samples = &mut self.world.samples;
         let (what, code) = (program.byte(), program.word() & 0x0FFF);
@@ -234,7 +235,7 @@ impl Life<'_, '_, '_> {
         }
     }
 
-    /// What goes wrong, or comes right, around the drive.
+    /// Begins or ends a disturbance of the drive.
     fn disturb(&mut self, program: &mut Program<'_>) {
         let (what, value) = (program.byte(), program.byte());
         let node = self.background.node();
@@ -259,10 +260,10 @@ impl Life<'_, '_, '_> {
     }
 }
 
-/// Codes of the six sectors, forward.
+/// Hall codes of the six sectors, forward.
 const HALL: [u8; 6] = [0b001, 0b011, 0b010, 0b110, 0b100, 0b101];
 
-/// A frame to the drive from its master: any type and opcode that there is, any words.
+/// A frame to the drive from its master: any existing type and opcode, any words.
 fn message(program: &mut Program<'_>, addresses: Addresses) -> Frame {
     let (place, bytes) = (program.byte(), program.array::<8>());
     let mut to_drive = MESSAGES.iter().filter(|message| message.kind != MessageKind::SlaveTx).cycle();

@@ -1,7 +1,9 @@
-//! Bytes from anywhere, given to what reads them: a function for each part of narx that takes frames, files or the content of a flash. It answers nothing and
-//! panics where a promise is broken, of which "does not panic" is the least.
+//! Fuzz targets: a function for each part of narx that reads frames, files or the content of a flash, to be
+//! given any bytes. A function returns nothing and panics where a promise is broken; the least of the
+//! promises is that the part does not panic.
 //!
-//! `cargo xtask fuzz` lets libFuzzer look for such bytes; `tests/` runs the same functions over the corpus and over random inputs.
+//! `cargo xtask fuzz` lets libFuzzer search for such bytes; `tests/` runs the same functions over the corpus
+//! and over random inputs.
 
 mod board;
 pub mod boot;
@@ -26,13 +28,13 @@ pub mod update;
 /// A part that reads bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// What it is called: its folder in `corpus`, and its program in `fuzz_targets`.
+    /// Name of the target, of its folder in `corpus`, and of its program in `fuzz_targets`.
     pub name: &'static str,
-    /// Gives it an input.
+    /// Function that runs an input.
     pub run: fn(&[u8]),
 }
 
-/// All of them.
+/// All targets.
 pub const TARGETS: [Target; 15] = [
     Target { name: "boot", run: boot::run },
     Target { name: "bus", run: bus::run },

@@ -1,16 +1,16 @@
-//! Records of the log as they stand on the flash and in a download.
+//! Target: records of the log as they are on the flash and in a download.
 
 use crate::program::Program;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::storage::Record;
 
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-/// Bytes behind the values: CRC and end word.
+/// Bytes after the values: CRC and end word.
 const TAIL: usize = 6;
-/// Where the number of values stands.
+/// Position of the number of values.
 const COUNT: usize = 10;
 
-/// First byte even: the bytes. Odd: a record whose length and CRC are made right.
+/// Runs an input. First byte even: the bytes. Odd: a record whose length and CRC are corrected.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let sound = !program.byte().is_multiple_of(2);
@@ -27,7 +27,7 @@ pub fn run(data: &[u8]) {
     assert!(bytes.starts_with(record.bytes()));
     assert_eq!(Record::parse(record.bytes()).as_ref(), Some(&record));
     assert_eq!(Record::new(record.index(), &record.entry()), record);
-    // In frames of three words it is the same again.
+    // Divided into frames of three words it is the same again.
     let frames = (0..).map_while(|place| record.frame(place));
     let sent: Vec<u8> = frames.flatten().flat_map(u16::to_be_bytes).collect();
     assert_eq!(sent, record.bytes());

@@ -1,4 +1,5 @@
-//! The drive's master: frames of a bus and orders of its caller in any order, downloads and updates among them.
+//! Target: the drive's master, with frames of a bus and orders of its caller in any order, among them
+//! downloads and updates.
 
 use crate::program::Program;
 use narx_core::bus::Frame;
@@ -11,10 +12,11 @@ use narx_core::master::{Config, Download, Image, Master, Progress, Request, Serv
 use narx_core::storage::Record;
 use std::collections::BTreeMap;
 
-/// Image of an update: its bytes are of no account.
+/// Image of an update; its bytes do not matter.
 const IMAGE: [u8; 1000] = [0x5A; 1000];
 
-/// First byte: bit 0 for a master that reads parameters, bits 0 to 2 for a silent one. Then steps.
+/// Runs an input. First byte: bit 0 for a master that reads parameters, bits 0 to 2 for a silent one. Steps
+/// follow.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let first = program.byte();
@@ -38,14 +40,14 @@ pub fn run(data: &[u8]) {
 struct Caller {
     master: Master,
     now: u64,
-    /// Requests that were taken, in their order.
+    /// Requests that were accepted, in their order.
     asked: Vec<Request>,
-    /// What the motor was told to do.
+    /// Motor mode that was last commanded.
     mode: Option<MotorMode>,
-    /// What was asked last.
+    /// Last request to the drive.
     last: Option<ToDrive>,
     download: Option<Download>,
-    /// Words of the download, by their place.
+    /// Words of the download by their position.
     words: BTreeMap<u32, u16>,
     updates: bool,
 }
@@ -57,7 +59,7 @@ impl Caller {
             1 => self.pass(u64::from(program.byte()) * 200),
             2 => self.order(program),
             3 => self.ask(program),
-            // As a drive would: an answer to what was asked.
+            // An answer to the last request, as a drive would send it.
             4 => {
                 let (status, value) = (program.byte(), program.long());
                 self.answer(status, value);
@@ -67,7 +69,7 @@ impl Caller {
                 self.stream(kind, address, data);
             }
             6 => self.begin(program),
-            // A record of the log whose CRC is right, in frames one behind the other.
+            // A record of the log with a correct CRC, in consecutive frames.
             7 => {
                 let (counter, values, seed) = (program.word(), program.byte() % 38, program.long());
                 self.record(counter, values.into(), seed);
@@ -132,7 +134,7 @@ impl Caller {
         let status = statuses[usize::from(status % 8)];
         let message = match self.last {
             Some(ToDrive::RequestParameter { number }) => {
-                // Lengths of what a download brings are short, so that it ends.
+                // The lengths of downloads are short, so that they end.
                 let value = if number == number::SCOPE_WORDS || number == number::LOG_RECORD_BYTES {
                     value & 0xFF
                 } else {
@@ -243,11 +245,12 @@ impl Caller {
             assert!(sent <= 64, "{sent} frames at once");
         }
         let next = self.master.next_poll(self.now);
-        // Blocks of an update keep to their own pace.
+        // Blocks of an update have a pace of their own.
         assert!(next > self.now || self.updates || self.master.config().silent, "{next}");
     }
 
-    /// To the drive, in its master's name; and what the motor shall do was asked for.
+    /// Checks a frame of the master: it goes to the drive in the master's name, and commands the motor only
+    /// as requested.
     fn said(&mut self, frame: &Frame) {
         assert!(!self.master.config().silent);
         let (id, message) = ToDrive::decode(frame).expect("a message of a master");
@@ -260,7 +263,7 @@ impl Caller {
         }
     }
 
-    /// What has come: answers in the order of their requests, chunks within their download, one end.
+    /// Takes the results: answers in the order of their requests, chunks within their download, one end.
     fn take(&mut self) {
         if let Some(answer) = self.master.poll_answer() {
             assert_eq!(answer.request, self.asked.remove(0));
@@ -268,7 +271,7 @@ impl Caller {
         while let Some(chunk) = self.master.poll_chunk() {
             let download = self.download.expect("somebody has begun one");
             let end = chunk.offset + chunk.words().len() as u32;
-            // Without one the download is at its end already.
+            // Without progress the download has already ended.
             if let Some(Progress { received, total }) = self.master.download_progress() {
                 assert!(end <= total && received <= total, "{chunk:?}: {received} of {total}");
             }
@@ -288,7 +291,7 @@ impl Caller {
         }
     }
 
-    /// A download that went well has every word, and of the log every record.
+    /// Checks that a successful download has every word and, of the log, every record.
     fn whole(&self, download: Download, words: u32) {
         assert!(
             self.words.keys().copied().eq(0..words),
@@ -309,7 +312,7 @@ impl Caller {
         }
     }
 
-    /// The drive has fallen silent: everything comes to its end.
+    /// Runs with a silent drive: everything must end.
     fn finish(&mut self) {
         self.master.abort_update();
         for _ in 0..2_000 {

@@ -1,23 +1,24 @@
-//! An input as a program: bytes that are read from front to back, zeros behind the end, so that every input is one. Little endian.
+//! An input as a program: its bytes are read from front to back, little endian. After the end zeros follow,
+//! so that every input is a valid program.
 
 use narx_core::bus::{Frame, Id};
 
-/// What is left of an input.
+/// Rest of an input.
 #[derive(Clone, Copy, Debug)]
 pub struct Program<'a>(pub &'a [u8]);
 
-/// Of a frame's head: the rest of it, modulo 9, is the data length code.
+/// Bit of a frame's head for a 29-bit identifier: the other bits, modulo 9, are the data length code.
 const EXTENDED: u8 = 1 << 7;
 const REMOTE: u8 = 1 << 6;
 const LENGTH: u8 = 0x0F;
 
 impl<'a> Program<'a> {
-    /// Whether nothing is left.
+    /// Returns whether the program has ended.
     pub const fn is_over(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The next bytes.
+    /// Reads the next bytes.
     pub fn array<const N: usize>(&mut self) -> [u8; N] {
         let mut bytes = [0; N];
         let (now, later) = self.0.split_at(N.min(self.0.len()));
@@ -26,29 +27,30 @@ impl<'a> Program<'a> {
         bytes
     }
 
-    /// The next bytes, as many as there are.
+    /// Reads the next bytes, as many as are left.
     pub fn take(&mut self, length: usize) -> &'a [u8] {
         let (now, later) = self.0.split_at(length.min(self.0.len()));
         self.0 = later;
         now
     }
 
-    /// 8 bits.
+    /// Reads 8 bits.
     pub fn byte(&mut self) -> u8 {
         u8::from_le_bytes(self.array())
     }
 
-    /// 16 bits.
+    /// Reads 16 bits.
     pub fn word(&mut self) -> u16 {
         u16::from_le_bytes(self.array())
     }
 
-    /// 32 bits.
+    /// Reads 32 bits.
     pub fn long(&mut self) -> u32 {
         u32::from_le_bytes(self.array())
     }
 
-    /// Any frame: its head, an identifier of 2 or 4 bytes, its data, fewer bytes than the head says at the end.
+    /// Reads a frame: its head, an identifier of 2 or 4 bytes, and its data; at the end of the input fewer
+    /// bytes than the head gives.
     pub fn frame(&mut self) -> Frame {
         let head = self.byte();
         let id = if head & EXTENDED != 0 {

@@ -1,4 +1,5 @@
-//! What a bench has really made: a recording, the scope's inputs of a motor that turns, a flash with parameters on it.
+//! Real data from a bench: a recording, the scope's inputs of a motor that turns, a flash with parameters on
+//! it.
 
 use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Download, Request};
@@ -14,7 +15,7 @@ use std::sync::LazyLock;
 /// The smallest flash of a drive.
 pub(crate) type Chip = Flash<Sparse>;
 
-/// A motor with hall sensors that turns for some milliseconds: the file, and its ticks.
+/// Recording of a motor with hall sensors that turns for some milliseconds: the file, and its ticks.
 pub(crate) fn recording() -> &'static (Vec<u8>, Vec<Tick>) {
     static MADE: LazyLock<(Vec<u8>, Vec<Tick>)> = LazyLock::new(|| {
         let mut session = session();
@@ -26,7 +27,7 @@ pub(crate) fn recording() -> &'static (Vec<u8>, Vec<Tick>) {
     &MADE
 }
 
-/// The words of a scope that has kept the inputs of a motor which begins to turn.
+/// Words of a scope that has recorded the inputs of a motor that begins to turn.
 pub(crate) fn scoped() -> &'static [u16] {
     static MADE: LazyLock<Vec<u16>> = LazyLock::new(|| {
         let mut session = session();
@@ -72,13 +73,13 @@ fn session() -> Session {
     Session::new(&config).expect("the preset runs")
 }
 
-/// Parameters of a drive with hall sensors that starts when it is told to.
+/// Parameters of a drive with hall sensors that is ready to start.
 pub(crate) fn parameters() -> &'static Parameters {
     static MADE: LazyLock<Parameters> = LazyLock::new(|| session().commissioning().parameters.clone());
     &MADE
 }
 
-/// A flash with these parameters on it.
+/// A flash with these parameters.
 pub(crate) fn chip() -> &'static Chip {
     static MADE: LazyLock<Chip> = LazyLock::new(|| {
         let mut storage = Storage::new(blank());
@@ -88,17 +89,17 @@ pub(crate) fn chip() -> &'static Chip {
     &MADE
 }
 
-/// A flash as its maker ships it.
+/// A flash in delivery state.
 pub(crate) fn blank() -> Chip {
     Flash::new(KBYTE_512, Sparse::new(), 1)
 }
 
-/// What a future answers that never waits.
+/// Result of a future that never waits.
 pub(crate) fn now<T>(future: impl Future<Output = T>) -> T {
     finish(future).expect("simulated flash never waits")
 }
 
-/// What the flash holds, as a drive finds it at power-up.
+/// Content of the flash, as a drive finds it at power-up.
 pub(crate) fn open(storage: &mut Storage<Chip>) -> Opened {
     match now(storage.execute(StorageRequest::Open)) {
         Report::Opened(opened) => opened,
@@ -106,7 +107,7 @@ pub(crate) fn open(storage: &mut Storage<Chip>) -> Opened {
     }
 }
 
-/// Stores a part, read back and mirrored.
+/// Stores a part; returns whether it was stored.
 pub(crate) fn store(storage: &mut Storage<Chip>, parameters: &Parameters, part: Part) -> bool {
     match now(storage.execute(StorageRequest::Store(parameters.clone(), part))) {
         Report::Stored { done, .. } => done,

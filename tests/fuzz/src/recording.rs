@@ -1,5 +1,5 @@
-//! Recordings: any bytes as a file; real ones with changed bytes; and chunks of any ticks whose check values are right, which read as ticks and
-//! run.
+//! Target: recordings. Any bytes as a file; real ones with changed bytes; and chunks of any ticks with
+//! correct check values, which are read as ticks and run.
 
 use crate::program::Program;
 use crate::real;
@@ -8,7 +8,8 @@ use narx_core::motor::{Drive, Event, Step};
 use narx_core::recording::{Header, Recorder, Recording, Tick, replay};
 use narx_sim::recording::RecordingBuffer;
 
-/// First byte modulo 3: 0 the file, 1 places and bytes that change in a real one, 2 the payload of a chunk of ticks behind a real state.
+/// Runs an input. First byte modulo 3: 0 for a file, 1 for positions and bytes that change in a real one, 2
+/// for the payload of a chunk of ticks after a real state.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     match program.byte() % 3 {
@@ -20,7 +21,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// The ticks of a file, if all of it is right; read one by one or at once, it says the same.
+/// Ticks of a file, if all of it is valid. Read one by one or at once, the result must be the same.
 fn read(file: &[u8]) -> Option<Vec<Tick>> {
     let recording = Recording::open(file).ok()?;
     let ticks: Result<Vec<Tick>, _> = recording.ticks().collect();
@@ -31,7 +32,7 @@ fn read(file: &[u8]) -> Option<Vec<Tick>> {
     ticks.ok()
 }
 
-/// No change of one to four bytes goes unseen: the check value finds each within its chunk.
+/// Checks that every change of one to four bytes is detected: the check value finds each within its chunk.
 fn changed(mut program: Program<'_>) {
     let (file, ticks) = real::recording();
     let mut spoiled = file.to_vec();
@@ -45,7 +46,8 @@ fn changed(mut program: Program<'_>) {
     }
 }
 
-/// Ticks that somebody made up: what reads is written again to the same ticks, and two drives do the same with them.
+/// Checks a chunk of arbitrary ticks: those that can be read are written again to the same ticks, and two
+/// drives give the same results for them.
 fn chunk(payload: &[u8]) {
     let (file, _) = real::recording();
     let state = Recording::open(file).expect("a real one").state();
@@ -63,10 +65,10 @@ fn chunk(payload: &[u8]) {
     sound.chunk(b'T', payload);
     let recording = Recording::open(&sound.file).expect("all check values are right");
     assert_eq!((*recording.header(), recording.state()), (header, state));
-    // Without its end it is never whole.
+    // Without its end chunk a file is never complete.
     recording.verify().expect_err("the end is missing");
     let ticks: Vec<Tick> = recording.ticks().map_while(Result::ok).collect();
-    // With it, it has as many ticks as that says, or is refused.
+    // With it, it has the number of ticks given there, or is refused.
     for count in [ticks.len() as u64, ticks.len() as u64 + 1] {
         let mut whole = sound.clone();
         whole.chunk(b'E', &[count.to_le_bytes(), [0; 8]].concat());
@@ -76,7 +78,8 @@ fn chunk(payload: &[u8]) {
 
     let mut drive: Drive = postcard::from_bytes(state).expect("a real one");
     let mut recorder = Recorder::new(RecordingBuffer::default(), &header, state).expect("memory is enough");
-    // Coefficients that nobody has built are numbers that no drive has: their arithmetic is bounded by `build`.
+    // Coefficients that were not built have values that no drive has: `build` is what bounds their
+    // arithmetic.
     let ticks: Vec<Tick> =
         ticks.into_iter().filter(|tick| !matches!(tick.event, Some(Event::Coefficients(_)))).collect();
     for tick in &ticks {

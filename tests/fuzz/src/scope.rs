@@ -1,4 +1,4 @@
-//! Inputs of ticks as the scope keeps them and a master downloads them.
+//! Target: inputs of ticks as the scope records them and a master downloads them.
 
 use crate::program::Program;
 use crate::real;
@@ -7,7 +7,8 @@ use narx_core::recording::{Recording, record_scoped, replay};
 use narx_core::scope::Inputs;
 use narx_sim::recording::RecordingBuffer;
 
-/// First byte even: the words. Odd: a real download whose inputs are changed, each change a place and a word.
+/// Runs an input. First byte even: the words. Odd: a real download with changed inputs, each change a
+/// position and a word.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     if program.byte().is_multiple_of(2) {
@@ -29,7 +30,7 @@ pub fn run(data: &[u8]) {
         }
     }
     open(&words);
-    // What reads is run, and that run is a recording like any other.
+    // A record that can be read is run, and that run is a recording like any other.
     let made = record_scoped(&words, "changed", RecordingBuffer::default());
     assert!(made.is_ok() || !unchanged);
     if let Ok(scoped) = made {
@@ -45,7 +46,7 @@ fn words(bytes: &[u8]) -> Vec<u16> {
     bytes.as_chunks::<2>().0.iter().map(|pair| u16::from_le_bytes(*pair)).collect()
 }
 
-/// Of as many ticks as it says, up to the first that is none.
+/// Opens a record. It must have as many ticks as it states, up to the first invalid one.
 fn open(words: &[u16]) {
     let Ok(inputs) = Inputs::open(words) else { return };
     let segments: Vec<_> = inputs.segments().collect();
@@ -60,8 +61,8 @@ fn open(words: &[u16]) {
     }
 }
 
-/// Where the inputs stand in the words of a download: behind its head of 6 words, and behind 7 words and the state of each segment
-/// (`core/src/scope/read.rs`).
+/// Ranges of the inputs in the words of a download: after its head of 6 words, and in each segment after 7
+/// words and the state (`core/src/scope/read.rs`).
 fn inputs(words: &[u16]) -> Vec<core::ops::Range<usize>> {
     let mut ranges = Vec::new();
     let mut at = 6;

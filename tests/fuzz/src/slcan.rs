@@ -1,9 +1,9 @@
-//! The slcan adapter: any bytes of a host, frames of the bus in between.
+//! Target: the slcan adapter, with any bytes of a host, and frames of the bus between them.
 
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::slcan::{Adapter, Channel, Command, LINE_MAX, NO, YES, decode_frame, encode_frame};
 
-/// Bytes of a host.
+/// Runs an input: bytes of a host.
 pub fn run(data: &[u8]) {
     let mut adapter = Adapter::default();
     let mut line = Vec::new();
@@ -22,7 +22,7 @@ pub fn run(data: &[u8]) {
             other => panic!("{other:?}"),
         }
         if let Some(command) = command {
-            // What is understood can be said, in one way.
+            // A command that is understood has one text form.
             let text = command.encode();
             assert_eq!(Command::decode(&text[..text.len() - 1]), Some(command));
             assert!(text[..text.len() - 1].eq_ignore_ascii_case(&line));
@@ -32,7 +32,7 @@ pub fn run(data: &[u8]) {
             _ => None,
         };
         assert_eq!(answer.frame, sends);
-        // In the other direction, with a time stamp where the host has asked for one.
+        // In the other direction, with a time stamp if the host has requested one.
         let frame = sends.unwrap_or(Frame::full(Id::standard(0x123).expect("eleven bits"), [0xA5; 8]));
         let heard = adapter.handle_frame(&frame, line.len() as u64 * 7_919);
         assert_eq!(heard.is_some(), adapter.settings().channel != Channel::Closed);

@@ -1,11 +1,11 @@
-//! Recordings that anybody can make: what stands in their chunks is anything, and only the check values are right.
+//! Recordings with correct check values and any content in their chunks.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::recording::{CONTAINER_VERSION, MAGIC};
 
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A file whose check values are right, whatever it says.
+/// A file with correct check values and any content.
 #[derive(Clone)]
 pub(crate) struct Sound {
     pub(crate) file: Vec<u8>,

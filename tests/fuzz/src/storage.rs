@@ -1,4 +1,5 @@
-//! A drive's flash with anything on it: it powers up with stored values or factory values, mends what can be mended, and stores.
+//! Target: a drive's flash with any content. The drive powers up with stored values or factory values,
+//! repairs what can be repaired, and stores.
 
 use crate::program::Program;
 use crate::real::{self, Chip, now, open, store};
@@ -12,7 +13,8 @@ use narx_sim::flash::Tear;
 const CAPACITY: u32 = 512 << 10;
 const SUBSECTOR: u32 = 4096;
 
-/// First byte: bit 0 for a flash with a drive's parameters, else a blank one. Then changes: where, what, how often.
+/// Runs an input. First byte: bit 0 for a flash with a drive's parameters, else a blank one. Changes follow:
+/// position, kind, number.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let formatted = program.byte() & 1 != 0;
@@ -30,7 +32,7 @@ pub fn run(data: &[u8]) {
         let stored = if formatted { real::parameters().clone() } else { Parameters::new() };
         assert_eq!(first.parameters, stored);
     }
-    // The next power-up finds the same, and nothing to mend.
+    // The next power-up finds the same, and has nothing to repair.
     let (second, chip) = boot(chip);
     assert_eq!((&second.parameters, second.faults), (&first.parameters, first.faults));
     assert_eq!(second.log, first.log);
@@ -38,14 +40,15 @@ pub fn run(data: &[u8]) {
     stores(chip);
 }
 
-/// Power-up, and what is left of the flash.
+/// Powers up; returns what was found, and the flash.
 fn boot(chip: Chip) -> (Opened, Chip) {
     let mut storage = Storage::new(chip);
     let opened = open(&mut storage);
     (opened, storage.into_flash())
 }
 
-/// A drive can begin with this: every value within its range, and a set that builds or is named.
+/// Checks that a drive can start with this: every value is within its range, and the set builds or the
+/// parameter at fault is named.
 fn check(opened: &Opened) {
     for (row, raw) in opened.parameters.iter() {
         assert!(row.accepts(raw), "{row} is {raw}");
@@ -55,7 +58,7 @@ fn check(opened: &Opened) {
     assert!(!opened.faults.contains(FaultWord::STORE_ABSENT), "the flash is there");
 }
 
-/// Whatever stood there, storing both parts and a record works, and is found again.
+/// Checks that on any content both parts and a record can be stored, and are found again.
 fn stores(chip: Chip) {
     let mut storage = Storage::new(chip);
     let opened = open(&mut storage);
@@ -86,13 +89,13 @@ fn stores(chip: Chip) {
     }
 }
 
-/// A place: the labels and maps, or the log. Then what happens there.
+/// Changes the flash: the position is in the labels and maps, or in the log.
 fn change(chip: &mut Chip, program: &mut Program<'_>) {
     let layout = Layout::of(CAPACITY, SUBSECTOR).expect("it is large enough");
     let (kind, place) = (program.byte(), program.word());
     let maps = layout.primary.label.start..layout.mirror.map.end;
     let at = match kind & 3 {
-        // Its first and last records, where the ring is searched.
+        // The first and last records, where the ring is searched.
         0 => u32::from(place) % layout.log.end,
         1 => layout.log.end - 1 - u32::from(place) % 4096,
         _ => maps.start + u32::from(place) % (maps.end - maps.start),
@@ -114,7 +117,7 @@ fn change(chip: &mut Chip, program: &mut Program<'_>) {
     }
 }
 
-/// The power fails while a drive stores or logs.
+/// Cuts the power while a drive stores or logs.
 fn cut(chip: &mut Chip, program: &mut Program<'_>) {
     let (what, steps) = (program.byte(), program.word());
     let tear = [Tear::Nothing, Tear::Partial, Tear::Garbage][usize::from(what % 3)];

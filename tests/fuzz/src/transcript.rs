@@ -1,4 +1,5 @@
-//! Transcripts: any bytes as a file; and chunks of any calls whose check values are right, which a node or a TX-Driver is given.
+//! Target: transcripts. Any bytes as a file; and chunks of any calls with correct check values, which are
+//! made to a node or a TX-Driver.
 
 use crate::program::Program;
 use crate::sound::Sound;
@@ -13,10 +14,10 @@ use narx_core::recording::transcript::{
 use narx_core::recording::{BEHAVIOUR_VERSION, Kind, replay_any, replay_any_until};
 use narx_sim::recording::RecordingBuffer;
 
-/// A file may ask for more than anybody waits for.
+/// Largest number of calls that are replayed: a file may contain far more.
 const CALLS_MAX: u64 = 20_000;
 
-/// First byte modulo 3: 0 a file, 1 calls of a node, 2 calls of a TX-Driver.
+/// Runs an input. First byte modulo 3: 0 for a file, 1 for calls of a node, 2 for calls of a TX-Driver.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     match program.byte() % 3 {
@@ -33,7 +34,8 @@ fn tx_driver() -> TxDriverSetup {
     TxDriverSetup { variant, configuration: Configuration::new() }
 }
 
-/// What reads is done; written again it reads the same, and two devices answer the same.
+/// Checks a chunk of calls: those that can be read are made; written again they are read as the same, and two
+/// devices give the same answers.
 fn calls<D: Transcribable<Call: Clone + core::fmt::Debug>>(setup: &D::Setup, payload: &[u8]) {
     let state = postcard::to_stdvec(setup).expect("memory is enough");
     let mut sound = Sound::begin();
@@ -42,7 +44,7 @@ fn calls<D: Transcribable<Call: Clone + core::fmt::Debug>>(setup: &D::Setup, pay
     sound.chunk(b'H', &[&[kind][..], &versions, &10_000_u32.to_le_bytes(), &[label]].concat());
     sound.chunk(b'S', &state);
     sound.chunk(b'C', &payload[..payload.len().min(u16::MAX.into())]);
-    // Without its end it is never whole, however often a call is made again.
+    // Without its end chunk a file is never complete, however often a call is repeated.
     replay_any_until(&sound.file, CALLS_MAX).ok();
 
     let transcript = Transcript::open(&sound.file).expect("all check values are right");

@@ -1,4 +1,5 @@
-//! The TX-Driver: frames, samples, time and its shell's answers in any order, restarts among them.
+//! Target: the TX-Driver with frames, samples, time and its shell's answers in any order, among them
+//! restarts.
 
 use crate::program::Program;
 use narx_core::bus::eddycan::{
@@ -8,10 +9,10 @@ use narx_core::bus::eddycan::{
 use narx_core::bus::{BusState, ErrorState, Frame, Id};
 use narx_core::eddycan::{Configuration, MeasuringRange, OBJECTS, STORED, Sample, TxDriver, Variant};
 
-/// Boot-up, three errors, heartbeat, three PDOs, four answers.
+/// Largest number of waiting frames: boot-up, three errors, heartbeat, three PDOs, four answers.
 const WAITING_MAX: usize = 12;
 
-/// First byte: bit 0 for a second channel. Then steps.
+/// Runs an input. First byte: bit 0 for a second channel. Steps follow.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let channels = if program.byte() & 1 != 0 { Channels::Dual } else { Channels::Single };
@@ -42,7 +43,7 @@ impl Node {
     fn obey(&mut self, program: &mut Program<'_>) {
         match program.byte() % 8 {
             0 => self.give(&program.frame()),
-            // An SDO to this node: any command for an entry that there is.
+            // An SDO to this node: any command for an existing entry.
             1 => {
                 let (place, command, data) = (program.byte(), program.byte(), program.array::<4>());
                 let object = &OBJECTS[usize::from(place) % OBJECTS.len()];
@@ -75,7 +76,8 @@ impl Node {
         }
     }
 
-    /// A frame changes the state by NMT alone, the configuration by a write in Pre-operational, and nothing if it is not for this node.
+    /// Checks a frame: NMT alone changes the state, a write in Pre-operational alone the configuration, and a
+    /// frame for another node changes nothing.
     fn give(&mut self, frame: &Frame) {
         let before = self.driver.clone();
         let message = ToNode::decode(frame);
@@ -115,14 +117,14 @@ impl Node {
         }
         assert!(sent <= WAITING_MAX, "{sent} frames at once");
         if self.driver.take_reset() {
-            // It is told once, nothing is said any more, and the shell begins anew with what is stored.
+            // The reset is reported once, no frame follows, and the shell begins anew with the stored values.
             assert!(!self.driver.take_reset() && self.driver.poll_frame().is_none());
             self.storing = None;
             self.driver = TxDriver::new(self.variant, self.stored);
         }
     }
 
-    /// A restart has been asked for: nothing is heard and nothing done until then.
+    /// Returns whether a restart is due: until then no message is taken and nothing is done.
     fn restarting(&self) -> bool {
         let mut twin = self.driver.clone();
         twin.handle_bus_state(BusState::default());
@@ -146,7 +148,7 @@ impl Node {
         }
     }
 
-    /// The shell stores, or says what has become of it.
+    /// Stores as the shell, or reports the result of a store.
     fn store(&mut self, what: u8) {
         match self.storing.take() {
             None => self.storing = self.driver.poll_store(),
@@ -170,7 +172,7 @@ impl Node {
     }
 }
 
-/// A frame that no TX-Driver listens to.
+/// A frame that no TX-Driver takes.
 fn nobody() -> Frame {
     Frame::full(Id::extended(0x1234_5678).expect("29 bits"), [0; 8])
 }

@@ -1,4 +1,4 @@
-//! The master of a TX-Driver: frames of a bus and orders of its caller in any order.
+//! Target: the master of a TX-Driver, with frames of a bus and orders of its caller in any order.
 
 use crate::program::Program;
 use narx_core::bus::Frame;
@@ -9,7 +9,7 @@ use narx_core::bus::eddycan::{
 use narx_core::eddycan::OBJECTS;
 use narx_core::master::eddycan::{Config, Request, TxMaster};
 
-/// First two bytes: node-id and layout. Then steps.
+/// Runs an input. First two bytes: node-id and layout. Steps follow.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let node = NodeId::new(program.byte() & 0x7F).unwrap_or(NodeId::FACTORY);
@@ -31,9 +31,9 @@ struct Caller {
     master: TxMaster,
     node: NodeId,
     now: u64,
-    /// Requests that were taken, in their order.
+    /// Requests that were accepted, in their order.
     asked: Vec<Request>,
-    /// The request that was sent last.
+    /// Last request that was sent.
     last: Option<ToNode>,
 }
 
@@ -61,7 +61,7 @@ impl Caller {
                     _ => self.master.ask_positions(),
                 };
             }
-            // What a node answers, to what was asked or beside it.
+            // An answer of a node, to the last request or to another.
             4 => {
                 let (what, data) = (program.byte(), program.long());
                 let Some(ToNode::Sdo { request, .. }) = self.last else { return };
@@ -117,14 +117,14 @@ impl Caller {
         );
     }
 
-    /// Answers come in the order of the requests.
+    /// Checks that answers come in the order of the requests.
     fn take(&mut self, answer: Option<narx_core::master::eddycan::Answer>) {
         if let Some(answer) = answer {
             assert_eq!(answer.request, self.asked.remove(0));
         }
     }
 
-    /// A bus that has fallen silent: every request gets its answer, in no more time than the attempts take.
+    /// Runs with a silent bus: every request is answered, in no more time than the attempts take.
     fn finish(&mut self) {
         let Config { timeout, attempts, .. } = *self.master.config();
         for _ in 0..=(self.asked.len() as u64 + 1) * (u64::from(attempts) + 1) {

@@ -1,4 +1,5 @@
-//! Programming over the bus: a drive's node, the server of its slots and its bootloader, given messages, time and power cuts in any order.
+//! Target: programming over the bus. A drive's node, the server of its slots and its bootloader get messages,
+//! time and power cuts in any order.
 
 use crate::board::{Flash, HARDWARE, MAP, active, blank, boot, image, slot, version};
 use crate::program::Program;
@@ -12,7 +13,7 @@ use narx_sim::flash::Tear;
 
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Steps of a drive whose factory image has version 1.8.
+/// Runs an input: steps of a drive whose factory image has version 1.8.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let mut flash = blank();
@@ -28,14 +29,14 @@ struct Drive {
     node: Node,
     server: Server<Flash>,
     now: u64,
-    /// What ran after the last boot.
+    /// Version of the image that the last boot entered.
     running: Version,
-    /// It was not confirmed.
+    /// True if that image is not confirmed.
     trial: bool,
     state: State,
-    /// What stands in the active slot: nothing but the bootloader alters it.
+    /// Content of the active slot, which only the bootloader may change.
     active: Vec<u8>,
-    /// The image that is being sent, and the next block of it.
+    /// Image that is being sent, and its next block.
     sending: (Vec<u8>, u16),
 }
 
@@ -58,7 +59,7 @@ impl Drive {
                 length: program.long(),
                 hardware: HARDWARE ^ u32::from(what >> 4 & 1),
             }),
-            // An image to be sent, good or not.
+            // An image to be sent, valid or not.
             1 => {
                 let (minor, words) = (program.byte(), program.byte());
                 let mut image =
@@ -100,7 +101,7 @@ impl Drive {
         }
     }
 
-    /// Blocks as a master sends them, some of them twice or not at all.
+    /// Sends blocks as a master does, some of them twice or not at all.
     fn send(&mut self, how: u8) {
         for count in 0..(how >> 2) {
             let (image, block) = &self.sending;
@@ -122,7 +123,7 @@ impl Drive {
         self.listen();
     }
 
-    /// While the slot is filled no motor starts.
+    /// Requests Drive; on trial no motor may start.
     fn drive(&mut self) {
         let word = RequestWord { mode: MotorMode::Drive };
         while self.node.poll_event().is_some() {}
@@ -153,14 +154,14 @@ impl Drive {
         }
     }
 
-    /// A pass of the shell's loop, a millisecond later.
+    /// Runs a pass of the shell's loop, a millisecond later.
     fn pass(&mut self) {
         self.now += 10;
         self.node.poll(self.now);
         if let Some(request) = self.node.poll_update() {
             let report = self.server.execute(&request);
             self.node.handle_update(report);
-            // Confirmed, it is no trial any more.
+            // A confirmed image is no longer on trial.
             self.trial = self.server.slot().condition().map_or(self.trial, |condition| condition.trial);
         }
         self.listen();
@@ -169,7 +170,8 @@ impl Drive {
         }
     }
 
-    /// Whatever was sent, a verified image runs: this one or a newer, or the one before a trial.
+    /// Reboots. Whatever was sent, a verified image must run: this one or a newer one, or the one before a
+    /// trial.
     fn reboot(&mut self) {
         let flash = self.server.slot().flash();
         flash.restore_power();

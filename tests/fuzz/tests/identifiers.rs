@@ -1,8 +1,10 @@
-//! Every identifier of 11 and of 29 bits, with every data length code, as data and as remote frame: what a node does with it is what PROTOCOL.md says, and
-//! everything else is silent and changes nothing. The frames' data are zeros.
+//! Every identifier of 11 and of 29 bits, with every data length code, as data and as remote frame: a node
+//! reacts as PROTOCOL.md says, and every other frame causes no answer and no change. The frames' data are
+//! zeros.
 //!
-//! All 9.7 thousand million frames to both nodes are the tests that are ignored here (`cargo xtask fuzz --identifiers`). The others are exhaustive by
-//! fields: priority, source and destination in all combinations with some types and opcodes, and all of these with every frame to the drive or of its master.
+//! The ignored tests run all 9.7 thousand million frames to both nodes (`cargo xtask fuzz --identifiers`).
+//! The others are exhaustive by fields: priority, source and destination in all combinations with some types
+//! and opcodes, and all of these with every frame to the drive or of its master.
 
 use narx_core::bus::eddycan::{Channels, FromNode, NmtCommand, NmtState, Position, Target, ToNode};
 use narx_core::bus::narmotion::{Addresses, FromDrive, ToDrive, XmlCommand};
@@ -15,33 +17,33 @@ use std::ops::Range;
 use std::thread;
 use std::time::Instant;
 
-/// Data length codes, each as data and as remote frame.
+/// Number of frames per identifier: data length codes, each as data and as remote frame.
 const SHAPES: u32 = 9 * 2;
-/// Identifiers with the same priority, source and destination: every type and opcode.
+/// Number of identifiers with the same priority, source and destination: every type and opcode.
 const BLOCK: u32 = 1 << 11;
-/// Blocks of 29-bit identifiers.
+/// Number of blocks of 29-bit identifiers.
 const BLOCKS: u32 = 1 << 18;
 const DRIVE: u8 = Addresses::FACTORY.drive;
 const MASTER: u8 = Addresses::FACTORY.master;
 
-/// What a drive does with a frame of zeros (PROTOCOL.md, sections 1.3 and 2).
+/// Reaction of a drive to a frame of zeros (PROTOCOL.md, sections 1.3 and 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
-    /// Somebody else's: nothing at all.
+    /// None: the frame is for another device.
     Ignored,
-    /// Parameter 275.
+    /// Counted as malformed (parameter 275).
     Malformed,
-    /// Parameter 274.
+    /// Counted as refused (parameter 274).
     Refused,
-    /// Parameter 274, and parameter 306 says why.
+    /// Counted as refused (parameter 274), with the reason in parameter 306.
     Explained,
-    /// Obeyed, in silence.
+    /// Carried out, without an answer.
     Obeyed,
-    /// Obeyed, and answered with this opcode.
+    /// Carried out, and answered with this opcode.
     Answered(u16),
 }
 
-/// Type, opcode, and what comes of it in Standby without flash, scope and slots.
+/// Type, opcode, and the reaction in Standby without flash, scope and slots.
 const MESSAGES: [(u32, u32, Fate); 24] = [
     (1, 2, Fate::Obeyed),
     (1, 101, Fate::Answered(101)),
@@ -50,14 +52,14 @@ const MESSAGES: [(u32, u32, Fate); 24] = [
     (1, 104, Fate::Obeyed),
     (1, 110, Fate::Answered(110)),
     (1, 112, Fate::Obeyed),
-    // Serial number 0 is another board's.
+    // Serial number 0 belongs to another board.
     (1, 113, Fate::Refused),
     (2, 0, Fate::Answered(0)),
     (2, 1, Fate::Answered(1)),
     (2, 110, Fate::Answered(110)),
     (2, 112, Fate::Explained),
     (2, 130, Fate::Answered(130)),
-    // Programming a drive that has no slots.
+    // Programming of a drive that has no slots.
     (2, 160, Fate::Refused),
     (2, 161, Fate::Refused),
     (1, 162, Fate::Refused),
@@ -97,20 +99,21 @@ fn frame(id: Id, shape: u32) -> (Frame, u8, bool) {
     (frame.unwrap(), dlc, remote)
 }
 
-/// A drive in Standby, with nothing to say.
+/// A drive in Standby with nothing to send.
 fn drive() -> Node {
     let mut node = Node::new(Identity::default(), Board::BENCH);
     node.handle_status(Status { state: State::Standby, ..Status::default() });
     while node.poll_frame().is_some() || node.poll_event().is_some() {}
-    // The description is measured when somebody asks for its length first.
+    // The first request for the description's length measures it.
     node.handle_frame(&ToDrive::DownloadXml(XmlCommand::Length).encode(Addresses::FACTORY));
     (0..10_000).for_each(|now| node.poll(now));
     while node.poll_frame().is_some() {}
     node
 }
 
-/// Gives a drive the frames of these identifiers, and a twin as many of the plainest malformed and refused ones: they are the same then. Who is to obey
-/// is a fresh drive each time. Answers how many frames were given.
+/// Gives a drive the frames of these identifiers, and a twin as many of the simplest malformed and refused
+/// ones: both must then be equal. For a frame that is carried out, a fresh drive is used each time. Returns
+/// the number of frames.
 fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
     let malformed = Frame::full(Id::standard(0x123).unwrap(), [0; 8]);
     let refused = ToDrive::RequestBuildInfo.encode(Addresses { master: !MASTER, drive: DRIVE });
@@ -155,7 +158,7 @@ fn obeys(node: &Node, frame: &Frame, fate: Fate) {
     assert_eq!(counted(&fresh), counted(node), "{frame:?} is counted");
 }
 
-/// What `cargo xtask fuzz --identifiers` puts into its figures: bits, frames, seconds, node.
+/// Prints the figures for `cargo xtask fuzz --identifiers`: bits, frames, seconds, node.
 fn tell(bits: u32, given: u64, begun: Instant, node: &str) {
     println!("swept {bits} {given} {} {node}", begun.elapsed().as_secs());
 }
@@ -184,7 +187,7 @@ fn every_29_bit_identifier_to_the_drive_or_of_its_master() {
         .filter(|block| is_near(*block))
         .map(|block| sweep_drive(&mut node, extended(block)))
         .sum();
-    // 511 pairs of addresses of which one is right, four priorities.
+    // 511 pairs of addresses with at least one right, four priorities.
     assert_eq!(given, 511 * 4 * 2048 * 18);
 }
 
@@ -192,14 +195,14 @@ fn every_29_bit_identifier_to_the_drive_or_of_its_master() {
 fn every_priority_source_and_destination_to_the_drive() {
     let mut node = drive();
     for block in 0..BLOCKS {
-        // Each type with one opcode of a message, and with another one that changes from block to block.
+        // Each type with one opcode of a message, and with another opcode that changes from block to block.
         let ids =
             (0..4).flat_map(|kind| [110, block % 509].map(|opcode| block * BLOCK + kind * 512 + opcode));
         sweep_drive(&mut node, ids.map(|raw| Id::extended(raw).unwrap()));
     }
 }
 
-/// The frames of `blocks` to a drive, on both threads of a small machine.
+/// Runs the frames of `blocks`, on both threads of a small machine.
 fn halves(sweep: impl Fn(Range<u32>) -> u64 + Sync) -> u64 {
     thread::scope(|scope| {
         let first = scope.spawn(|| sweep(0..BLOCKS / 2));
@@ -221,7 +224,7 @@ fn every_29_bit_identifier_to_the_drive() {
 
 const STATES: [NmtState; 3] = [NmtState::PreOperational, NmtState::Operational, NmtState::Stopped];
 
-/// A TX-Driver with node-id 1 that has measured, and nothing to say.
+/// A TX-Driver with node-id 1 that has measured, with nothing to send.
 fn tx_driver(state: NmtState) -> TxDriver {
     let range = MeasuringRange::new(Position::MIN, Position::MAX).unwrap();
     let variant = Variant { channels: Channels::Dual, ranges: [range; 2], sample_rate: 40_000, firmware: 1 };
@@ -238,7 +241,7 @@ fn tx_driver(state: NmtState) -> TxDriver {
     driver
 }
 
-/// What a TX-Driver answers to a frame of zeros (PROTOCOL.md, section 10): the identifier, if anything.
+/// Identifier of a TX-Driver's answer to a frame of zeros (PROTOCOL.md, section 10), if there is one.
 fn answer(id: Id, dlc: u8, remote: bool, state: NmtState) -> Option<u32> {
     if id.is_extended() {
         return None;
@@ -247,7 +250,7 @@ fn answer(id: Id, dlc: u8, remote: bool, state: NmtState) -> Option<u32> {
         // SYNC, and the remote request for two positions.
         (0x080, 0, false, NmtState::Operational) => Some(0x281),
         (0x381, 8, true, NmtState::Operational) => Some(0x381),
-        // No SDO has command 0: the answer is why not.
+        // No SDO has command 0: the answer is an abort.
         (0x601, 8, false, NmtState::PreOperational | NmtState::Operational) => Some(0x581),
         _ => None,
     }
@@ -288,7 +291,8 @@ fn every_11_bit_identifier_to_the_tx_driver() {
     }
 }
 
-/// Each pattern of the low eleven bits, where a function and a node-id would stand, and each single bit above them.
+/// No 29-bit identifier reaches the TX-Driver: neither with any pattern of the low eleven bits, where a
+/// function and a node-id would be, nor with any single bit above them.
 #[test]
 fn no_29_bit_identifier_to_the_tx_driver() {
     for state in STATES {

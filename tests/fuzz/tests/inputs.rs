@@ -1,5 +1,5 @@
-//! Every target over its corpus, and over inputs that a seed makes of it: what a fuzzer does, without one. An input that breaks a promise is written to a file,
-//! and its name told.
+//! Runs every target over its corpus, and over inputs that a seed derives from it: what a fuzzer does,
+//! without one. An input that breaks a promise is written to a file whose name is printed.
 
 use narx_fuzz::{TARGETS, Target};
 use narx_sim::random::Random;
@@ -21,7 +21,7 @@ fn names(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// What is real, and what a fuzzer has found worth keeping.
+/// Inputs of the corpus: real ones, and those that a fuzzer has found useful.
 fn corpus(name: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let files = names(&home().join("corpus").join(name));
     assert!(!files.is_empty(), "{name} has no corpus");
@@ -60,7 +60,7 @@ fn give(target: &Target, bytes: &[u8], file: &Path) {
     });
 }
 
-/// An input of the corpus with up to eight changes, of those that libFuzzer makes.
+/// An input of the corpus with up to eight changes of the kinds that libFuzzer makes.
 fn mutated(corpus: &[(PathBuf, Vec<u8>)], random: &mut Random) -> Vec<u8> {
     let mut below = |bound: usize| random.bits() as usize % bound.max(1);
     let mut bytes = corpus[below(corpus.len())].1.clone();
@@ -91,7 +91,7 @@ fn mutated(corpus: &[(PathBuf, Vec<u8>)], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// A test for each target, with as many changed inputs as take some tenths of a second.
+/// Defines a test for each target, with as many changed inputs as take some tenths of a second.
 macro_rules! targets {
     ($($name:ident $count:literal,)*) => {
         $(#[test]

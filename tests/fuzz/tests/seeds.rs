@@ -1,5 +1,5 @@
-//! The first inputs of every target, made of real things: frames, texts, files, and the steps of an ordinary day. They are files of the corpus whose name begins
-//! with `real-`; `UPDATE=1` writes them.
+//! First inputs of every target, made of real data: frames, texts, files, and the steps of ordinary
+//! operation. They are the files of the corpus whose name begins with `real-`; `UPDATE=1` writes them.
 
 use narx_core::bus::eddycan::{
     FromNode, Layout, NmtCommand, NmtState, NodeId, PdoKind, Reading, SdoAction, SdoRequest, Target, ToNode,
@@ -15,10 +15,10 @@ use narx_sim::can::slcan;
 use std::path::Path;
 use std::{env, fs};
 
-/// Name of a target, what the input is, its bytes.
+/// Name of a target, description of the input, its bytes.
 type Seed = (&'static str, &'static str, Vec<u8>);
 
-/// Every message of the drive's protocol, its fields 1 where they can be.
+/// Every message of the drive's protocol, with fields of 1 where possible.
 fn narmotion() -> Vec<Frame> {
     let frame = |message: &narx_core::bus::narmotion::Message| {
         let mut words = Words::default();
@@ -58,7 +58,7 @@ fn program(frames: &[Frame]) -> Vec<u8> {
     bytes
 }
 
-/// Steps that give a node these frames, each with `kind` before it.
+/// Steps that give these frames to a node, each after the byte `kind`.
 fn given(kind: u8, frames: &[Frame]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for frame in frames {
@@ -74,12 +74,12 @@ fn write(number: u16, value: i32) -> Vec<u8> {
     [vec![3], place.to_le_bytes().to_vec(), value.to_le_bytes().to_vec()].concat()
 }
 
-/// 0 and then 1.
+/// Steps that write 0 and then 1: a command.
 fn command(number: u16) -> Vec<u8> {
     [vec![4], number.to_le_bytes().to_vec()].concat()
 }
 
-/// So many milliseconds and a half.
+/// Step that waits these many milliseconds and a half.
 fn wait(milliseconds: u8) -> Vec<u8> {
     vec![6, (u32::from(milliseconds) * 10 / 16).min(255) as u8]
 }
@@ -95,7 +95,7 @@ fn scope(request: ToDrive) -> Vec<u8> {
 fn drives() -> Vec<Seed> {
     let (standby, drive) = (ask(MotorMode::Standby), ask(MotorMode::Drive));
     let speed = vec![9, 0xE8, 3];
-    // A shaft that turns, one way and the other.
+    // A shaft that turns, in one direction and in the other.
     let turning = |rate: u16| [vec![7, 7], rate.to_le_bytes().to_vec()].concat();
     let start =
         [vec![3], standby.clone(), wait(20), speed.clone(), drive.clone(), wait(10), turning(300)].concat();

@@ -1,11 +1,11 @@
-//! Instructions of a simulated tick on this machine.
+//! Part of the table: instructions of a simulated tick on this machine.
 
 use super::{Context, tools};
 use crate::callgrind::{Counts, VALGRIND};
 use crate::driven;
 use crate::figures::{Figure, Part};
 
-/// Counts both modes.
+/// Counts the instructions in both modes.
 pub(super) fn part(context: &Context<'_>) -> Part {
     if !cfg!(target_arch = "x86_64") {
         return Part::skipped("counted on x86-64 only");

@@ -1,4 +1,4 @@
-//! One random plant again, with everything that a run can show.
+//! Repetition of one random plant, with every file that a run can write.
 
 use super::start::Start;
 use super::trial::Trial;
@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// Runs the start of that seed and writes its files. True if it started.
+/// Runs the start of that seed and writes its files. Returns true if the motor started.
 pub(super) fn replay(seed: u64, out: &Path) -> io::Result<bool> {
     let Some(drawn) = RandomPlant::new(seed, &Spread::PROMISED) else {
         println!("seed {seed} draws no plant that commissioning accepts");

@@ -1,4 +1,5 @@
-//! How fast a log becomes columns in Python, beside python-can with cantools: the program is `tests/python/bench_read_log.py`.
+//! Speed of turning a log into columns in Python, beside python-can with cantools: the program is
+//! `tests/python/bench_read_log.py`.
 
 use super::{Context, tools};
 use crate::driven;
@@ -6,10 +7,10 @@ use crate::figures::{Figure, Part};
 use std::path::Path;
 use std::process::Command;
 
-/// Goal: how many times as fast as python-can and cantools.
+/// Goal: ratio of the rate to that of python-can and cantools.
 const RATIO_MIN: f64 = 30.0;
 
-/// Rate and ratio on a million frames.
+/// Measures rate and ratio on a million frames.
 pub(super) fn part(context: &Context<'_>) -> Part {
     let python = match tools::python_package(context) {
         Ok(python) => python,
@@ -29,14 +30,14 @@ pub(super) fn part(context: &Context<'_>) -> Part {
     }
 }
 
-/// Ratio, and the frames a second of both.
+/// Measures the ratio, and the frames per second of both.
 fn measure(root: &Path, python: &Path) -> Result<[f64; 3], String> {
     let mut command = Command::new(python);
     command.arg(root.join("tests/python/bench_read_log.py")).env("PYTHONDONTWRITEBYTECODE", "1");
     figures(&driven::output(&mut command)?)
 }
 
-/// The three numbers that the program prints first.
+/// Parses the three numbers that the program prints first.
 fn figures(text: &str) -> Result<[f64; 3], String> {
     let mut numbers = text.split_whitespace().map_while(|word| word.parse().ok());
     let mut next = || numbers.next().ok_or_else(|| format!("no figures in: {text}"));

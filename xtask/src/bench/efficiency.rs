@@ -1,4 +1,5 @@
-//! Efficiency at rated load against the manual's 90 % (Table 1), of the bridge and of the whole drive with its motor.
+//! Efficiency at rated load against the manual's 90 % (Table 1), of the bridge and of the whole drive with
+//! its motor.
 
 use super::Context;
 use super::operating::Point;
@@ -10,7 +11,8 @@ use narx_sim::presets::PRESETS;
 /// The manual's figure.
 const GOAL: f64 = 0.9;
 
-/// Every preset at its nominal supply, rated torque at the middle of its range or where the ratings leave it.
+/// Measures every preset at its nominal supply, at rated torque in the middle of its speed range or at the
+/// speed that the ratings allow.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let points: Vec<Point<'_>> = PRESETS
         .iter()

@@ -1,4 +1,5 @@
-//! The promise about faults: whatever breaks, in whatever state, the bridge is off in the tick in which the fault qualifies.
+//! The promise about faults: with any fault in any state, the bridge is off in the tick in which the fault
+//! qualifies.
 
 use super::Context;
 use super::trial::{TICK, Trial};
@@ -14,13 +15,13 @@ use narx_sim::presets::preset;
 const MOTOR: &str = "bly172s-24v";
 const SUPPLY: f64 = 24.0;
 
-/// What happens, and the fault that must come of it.
+/// An event, and the fault that must follow.
 #[derive(Clone, Copy)]
 enum Trouble {
     Plant(Injection, Cause),
-    /// The master's cable is pulled.
+    /// The master stops sending, as when its cable is pulled.
     Silence,
-    /// The master asks for motor mode 3.
+    /// The master requests motor mode 3.
     Shutdown,
 }
 
@@ -43,11 +44,11 @@ const STATES: [State; 6] = [
     State::SensorlessAutoRestart,
 ];
 
-/// Every trouble in every state in which something may be driven, and in Standby.
+/// Tries every trouble in every state in which something may be driven, and in Standby.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for trouble in TROUBLES {
-        // Nobody has to be heard in Standby.
+        // In Standby a master need not send.
         let anywhere = !matches!(trouble.1, Trouble::Silence);
         points.extend(
             STATES.into_iter().filter(|s| anywhere || *s != State::Standby).map(|state| (trouble, state)),
@@ -78,7 +79,7 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     Part::new(figures, failures)
 }
 
-/// Ticks from the cause to the bridge that is off.
+/// Number of ticks from the cause until the bridge is off.
 fn latency(trouble: Trouble, state: State) -> Result<u32, String> {
     let mode = if state == State::HallClosedLoop { Mode::Hall } else { Mode::Sensorless };
     let motor = preset(MOTOR).ok_or("no such motor")?;

@@ -5,7 +5,7 @@ use crate::cross::{self, Processor};
 use crate::figures::{Figure, Part};
 use crate::{qemu, sizes, small};
 
-/// Parts of the library that are in the table; `tests/golden/ffi_sizes.toml` has all.
+/// Parts of the library that are in the table; `tests/golden/ffi_sizes.toml` has all of them.
 const PARTS: [(&str, &str); 5] = [
     ("pi", "a PI alone"),
     ("hall", "hall sensors alone"),

@@ -1,11 +1,12 @@
-//! What a control tick costs on a Cortex-M4F: instructions counted by the emulator, beside a bare tick by hand in C and other people's control, and memory.
+//! Cost of a control tick on a Cortex-M4F: instructions counted by the emulator, beside a bare tick by hand
+//! in C and other people's control, and memory.
 
 use super::{Context, tools};
 use crate::figures::{Figure, Part};
 use crate::instructions::Counted;
 use crate::{cross, driven, firmware, floor, others, qemu};
 
-/// What was asked of a motor that just runs: on average with hall sensors, on average and at most without.
+/// Goals for a motor in steady running: the mean with hall sensors, and mean and maximum without.
 const HALL: f64 = 250.0;
 const SENSORLESS: f64 = 300.0;
 const SENSORLESS_WORST: f64 = 450.0;
@@ -61,7 +62,7 @@ fn figures(counted: &Counted) -> Vec<Figure> {
     figures
 }
 
-/// The floor driving a motor, and other crates.
+/// Checks that the floor drives a motor, and counts other crates.
 fn compared(context: &Context<'_>) -> Part {
     let mut part = Part::default();
     for mode in driven::MODES {
@@ -83,7 +84,7 @@ fn compared(context: &Context<'_>) -> Part {
 
 const UNIT: &str = "instructions";
 
-/// Names of the counting images, and what they are.
+/// Memory figures of the counting images, and their meaning.
 const MEMORY: [(&str, &str); 7] = [
     ("state_bytes", "RAM of the drive's state"),
     ("coefficients_bytes", "RAM of its coefficients"),

@@ -1,4 +1,4 @@
-//! The promise about load steps: no load to rated torque at once, sensorless.
+//! The promise about load steps: from no load to rated torque at once, sensorless.
 
 use super::Context;
 use super::operating::Point;
@@ -10,10 +10,10 @@ use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::PRESETS;
 use std::f64::consts::TAU;
 
-/// Back within 1 % after this long, s.
+/// Longest time until the speed is within 1 % again, s.
 pub(crate) const BACK: f64 = 0.5;
 
-/// Every preset at four supplies where the limits allow rated torque.
+/// Measures every preset at four supplies where the limits allow rated torque.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
@@ -66,8 +66,9 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     )
 }
 
-/// Undriven, the load stops the bare rotor within a sector, after `J w^2 / 2 T` radians: no crossing can tell that it is there. What is
-/// applied may hold it all the same, but nobody can promise that.
+/// Returns whether the load, without drive, stops the bare rotor within a sector, after `J w^2 / 2 T`
+/// radians: no crossing can show the load in time. The voltage that is applied may hold the rotor all the
+/// same, but that cannot be promised.
 pub(crate) fn stops_unseen(point: &Point<'_>) -> bool {
     point.plan().is_ok_and(|plan| {
         let motor = &point.preset.motor;
@@ -77,7 +78,7 @@ pub(crate) fn stops_unseen(point: &Point<'_>) -> bool {
     })
 }
 
-/// Seconds until the speed, averaged over 10 ms, stays within 1 %.
+/// Time until the speed, averaged over 10 ms, stays within 1 %, s.
 pub(crate) fn step(point: &Point<'_>) -> Result<f64, String> {
     let plan = point.plan()?;
     let mut plant = PlantConfig::new(point.preset.motor, point.supply);
@@ -93,7 +94,7 @@ pub(crate) fn step(point: &Point<'_>) -> Result<f64, String> {
     trial.run_while(0.5, |_| true);
     trial.bench.plant_mut().set_load(LoadConfig { constant: plan.torque, ..LoadConfig::default() });
     let mut back = 0.0;
-    // A fifth of a second longer than allowed, to see that it stays.
+    // 0.2 s longer than allowed, to check that the speed stays.
     for window in 1..=70 {
         let from = *trial.seen();
         if !trial.run_while(0.01, closed) {

@@ -1,5 +1,5 @@
-//! What narx promises, and what it costs: one table, each figure with its unit, its goal and the command that measures it again. Everything simulated has a
-//! seed; what fails is printed with the command that runs it again.
+//! Promises and costs of narx: one table, each figure with its unit, its goal and the command that measures
+//! it again. Everything simulated has a seed; a failure is printed with the command that runs it again.
 
 mod callgrind;
 mod case;
@@ -38,22 +38,23 @@ use std::time::Instant;
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Random plants to start
+    /// Number of random plants to start
     #[arg(long, default_value_t = 10_000)]
     pub runs: u64,
-    /// Which series of random plants: their seeds are S x 1 000 000 and on
+    /// Series of random plants; series S begins at seed S x 1 000 000
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Run one random plant again, by its seed, and write its run.svg, run.csv and run.narxrec
     #[arg(long)]
     pub case: Option<u64>,
-    /// Measure these parts only, with commas between; the figures of the others stay in the file
+    /// Measure these parts only, separated by commas; the figures of the others stay in the file
     #[arg(long, value_delimiter = ',', value_parser = names())]
     pub only: Vec<String>,
-    /// Install what is missing (emulator, C compilers, valgrind, Python and npm packages); without it, what needs them is left out, and said so
+    /// Install what is missing (emulator, C compilers, valgrind, Python and npm packages); without this,
+    /// parts that need it are left out, with a message
     #[arg(long)]
     pub all: bool,
-    /// Where bench.json and starts.svg go
+    /// Folder for bench.json and starts.svg
     #[arg(long, default_value = "target")]
     pub out: PathBuf,
 }
@@ -62,21 +63,21 @@ fn names() -> clap::builder::PossibleValuesParser {
     PARTS.map(|(name, _)| name).into()
 }
 
-/// What a part measures with.
+/// Inputs of a part's measurement.
 pub(crate) struct Context<'a> {
-    /// The working copy.
+    /// Folder of the working copy.
     root: &'a Path,
     /// Seeds of the random plants.
     cases: Vec<u64>,
     /// Missing tools may be installed.
     all: bool,
-    /// Where pictures go.
+    /// Folder for pictures.
     out: &'a Path,
 }
 
 type Measure = fn(&Context<'_>) -> Part;
 
-/// Every part, in the order of the table: what is promised of control, what a tick costs, how fast the tools are.
+/// All parts in the order of the table: promises of control, cost of a tick, speed of the tools.
 const PARTS: [(&str, Measure); 17] = [
     ("start", starts::part),
     ("soon", starts::nominal),
@@ -97,7 +98,7 @@ const PARTS: [(&str, Measure); 17] = [
     ("page", page::part),
 ];
 
-/// The names of all parts, in their order.
+/// Names of all parts, in their order.
 pub fn parts() -> Vec<&'static str> {
     PARTS.iter().map(|(name, _)| *name).collect()
 }
@@ -124,7 +125,7 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// True if no goal is missed.
+/// Measures the parts; returns true if no goal is missed.
 fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
     let path = arguments.out.join("bench.json");
     let cases = starts::cases(arguments.seed, arguments.runs);
@@ -138,7 +139,8 @@ fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
         println!("{name} ...");
         let part = Part { part: name.into(), command: repeat(name, arguments), ..measure(&context) };
         println!("  {:.0} s", begun.elapsed().as_secs_f64());
-        // Each as soon as it is there, beside what others have written meanwhile: hours are not lost with one failure.
+        // Each part is written as soon as it is measured, beside those that others have written meanwhile:
+        // hours are not lost with one failure.
         let mut report = Report::read(&path)?;
         report.machine = figures::machine();
         report.replace(part.clone(), &parts());
@@ -149,7 +151,7 @@ fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
     Ok(measured.iter().all(Part::is_met))
 }
 
-/// The command that measures a part again.
+/// Command that measures a part again.
 fn repeat(name: &str, arguments: &Arguments) -> String {
     let mut text = format!("cargo xtask bench --only {name}");
     let random = ["start", "steady"].contains(&name);

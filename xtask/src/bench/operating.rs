@@ -1,4 +1,5 @@
-//! A motor of the market at an operating point: what the drive's limits allow, and what it then does.
+//! Operation of a motor of the market at an operating point: the range that the drive's limits allow, and the
+//! figures of a run.
 
 use super::trial::Trial;
 use narx_core::motor::State;
@@ -10,28 +11,30 @@ use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use std::f64::consts::TAU;
 
-/// Share of power and voltage that an operating point may use, so that the loops keep something to control with.
+/// Share of power and voltage that an operating point may use, so that the loops keep a control reserve.
 const MARGIN: f64 = 0.9;
-/// Share of a mean current: within a step it is a sawtooth whose crest the limiter sees.
+/// Share of the current limit that a mean current may have: within a step the current is a sawtooth, and the
+/// limiter acts on its crest.
 const CURRENT_MARGIN: f64 = 0.87;
 /// Continuous phase current (Table 2): 6 A rms is 6 sqrt(3/2) A for two thirds of the time.
 const CONTINUOUS: f64 = 7.35;
 
-/// From the set-point to what counts, s.
+/// Time from the set-point to the measurement, s.
 pub(crate) const SETTLE: f64 = 0.5;
 
-/// Where to run.
+/// An operating point.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
     /// The motor.
     pub preset: &'a Preset,
-    /// Hall or sensorless.
+    /// Control mode, hall or sensorless.
     pub mode: Mode,
-    /// V.
+    /// Supply voltage, V.
     pub supply: f64,
     /// Share of the rated torque that the load takes at the set-point; it grows with the square of the speed.
     pub load: f64,
-    /// Mechanical set-point, rpm; without it the middle of the range, or less where rating or supply ask for it.
+    /// Mechanical set-point, rpm; without it the middle of the range, or less where rating or supply require
+    /// it.
     pub rpm: Option<f64>,
 }
 
@@ -44,43 +47,44 @@ pub(crate) struct Plan {
     pub(crate) torque: f64,
 }
 
-/// What came of it.
+/// Figures of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Figures {
     /// Set-point, mechanical rpm.
     pub rpm: i32,
-    /// Drive request to closed loop, s.
+    /// Time from the Drive request to closed loop, s.
     pub to_closed_loop: f64,
-    /// Drive request to within 1 % of the set-point, s.
+    /// Time from the Drive request to a speed within 1 % of the set-point, s.
     pub to_speed: f64,
     /// Mean true speed over half a second less the set-point, share of it.
     pub error: f64,
-    /// Standard deviation of the commutations' true places, share of a commutation period of 60 degrees.
+    /// Standard deviation of the commutations' true positions, share of a commutation period of 60 degrees.
     pub jitter: f64,
-    /// Mean place of commutation, electrical degrees late.
+    /// Mean position of the commutations, electrical degrees late.
     pub angle_mean: f64,
-    /// The place furthest from ideal, electrical degrees.
+    /// Position furthest from ideal, electrical degrees.
     pub angle_worst: f64,
     /// Largest magnitude of a phase current from power-up on, A.
     pub peak_current: f64,
-    /// Bridge: what leaves it over what the supply gives it, over the measured half second; 0 without load.
+    /// Efficiency of the bridge: its output energy over the supply's, over the measured half second; 0
+    /// without load.
     pub stage_efficiency: f64,
-    /// Supply to shaft, motor included.
+    /// Efficiency from supply to shaft, motor included.
     pub drive_efficiency: f64,
-    /// At the end the speed loop alone bounds the duty.
+    /// True if, at the end, the speed loop alone bounds the duty.
     pub unlimited: bool,
 }
 
 impl Point<'_> {
-    /// Runs it: start, acceleration, half a second to settle, half a second measured. Without figures the reason.
+    /// Runs the point: start, acceleration, half a second to settle, half a second of measurement.
     ///
     /// # Errors
-    /// What forbids the point, or what did not come to pass.
+    /// Fails with the limit that forbids the point, or with the event that did not happen.
     pub fn run(&self) -> Result<Figures, String> {
         self.run_after(SETTLE)
     }
 
-    /// The same with other seconds to settle.
+    /// Runs the point as [`run`](Self::run) does, with `settle` seconds to settle.
     pub(crate) fn run_after(&self, settle: f64) -> Result<Figures, String> {
         let plan = self.plan()?;
         let speed = f64::from(plan.rpm) * TAU / 60.0;
@@ -91,7 +95,7 @@ impl Point<'_> {
         measure(&mut trial, plan.rpm, self.running(), settle)
     }
 
-    /// The state in which it runs.
+    /// State of the closed loop of this mode.
     pub(crate) fn running(&self) -> State {
         if self.mode == Mode::Hall { State::HallClosedLoop } else { State::SensorlessClosedLoop }
     }
@@ -138,8 +142,8 @@ impl Point<'_> {
         (torque + self.preset.motor.static_friction) / self.preset.motor.torque_constant
     }
 
-    /// Highest speed at which the rating and the supply leave `torque`, rpm: `P = T w + R I^2` and `U = R I + 3 L I f + k w`, what is
-    /// taken to turn the current over six times a revolution included.
+    /// Highest speed at which the rating and the supply leave `torque`, rpm: `P = T w + R I^2` and `U = R I +
+    /// 3 L I f + k w`, which includes the voltage that turns the current over six times a revolution.
     fn speed_for(&self, torque: f64) -> f64 {
         let motor = &self.preset.motor;
         let current = self.current(torque);
@@ -151,14 +155,14 @@ impl Point<'_> {
         by_power.min(by_voltage) * 60.0 / TAU
     }
 
-    /// Power rating and 7 A of input current (Table 2), W.
+    /// Power limit: power rating and 7 A of input current (Table 2), W.
     fn power_max(&self) -> f64 {
         let rating = power_rating(Volts::from_milli((self.supply * 1e3) as i32));
         f64::from(rating).min(7.0 * self.supply)
     }
 }
 
-/// The figures of a start to `rpm`.
+/// Measures the figures of a start to `rpm`.
 pub(crate) fn measure(trial: &mut Trial, rpm: i32, closed: State, settle: f64) -> Result<Figures, String> {
     let target = f64::from(rpm);
     trial.start(rpm);

@@ -1,12 +1,14 @@
-//! What the page loads, and how long a frame's worth of motor takes it: the packages built, the program `tests/wasm/frame.mjs` run in Node.
+//! Sizes of the page's modules, and the processor time of a video frame's share of simulation: the packages
+//! are built, and the program `tests/wasm/frame.mjs` runs in Node.
 
 use super::{Context, tools};
 use crate::figures::{Figure, Part};
 use crate::{driven, web};
 
-/// Goals, compressed bytes; `tests/wasm/size.test.mjs` holds what may be loaded today.
+/// Goals, compressed bytes; `tests/wasm/size.test.mjs` holds the present limits.
 const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
-/// Processor time of a picture's worth of motor at 60 Hz: what is asked for, and what there is, ms.
+/// Processor time that the simulation of one frame at 60 Hz may take (median), and the duration of the frame,
+/// ms.
 const MEDIAN: f64 = 0.5;
 const FRAME: f64 = 16.7;
 

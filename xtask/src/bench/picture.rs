@@ -1,31 +1,31 @@
-//! Where sensorless starts succeed: three maps of one series of random plants, drawn as a picture for a report.
+//! Success of sensorless starts: three maps of one series of random plants, drawn as a picture for a report.
 
 use super::start::Start;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Where to draw.
+/// Area to draw on.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// What the library says.
+/// Error of the drawing library.
 pub(crate) type DrawError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
 
 const WIDTH: u32 = 1_200;
 const HEIGHT: u32 = 470;
-/// The library places points on whole units: four of them make a pixel.
+/// Units of the library per pixel: it places points on whole units.
 pub(crate) const SCALE: u32 = 4;
-/// Tiles along each axis.
+/// Number of tiles along each axis.
 const TILES: usize = 10;
-/// Share of first tries at which the shade is darkest; everything below is as dark.
+/// Share of first tries at which the shade is darkest; smaller shares are as dark.
 const DARKEST: f64 = 0.8;
-/// Lines and letters.
+/// Colour of lines and letters.
 pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-/// Okabe and Ito's blue and vermilion, which the colour-blind tell apart.
+/// Okabe and Ito's blue; the colour-blind can distinguish it from their vermilion.
 const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
-/// What failed.
+/// Their vermilion, for failures.
 pub(crate) const VERMILION: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
 
-/// An axis: a figure of the start between bounds, drawn evenly in its logarithm or as it is.
+/// An axis: a figure of the start between bounds, on a logarithmic or linear scale.
 struct Axis {
     title: &'static str,
     of: fn(&Start) -> f64,
@@ -72,7 +72,7 @@ const TEMPERATURE: Axis = Axis {
 };
 
 impl Axis {
-    /// Place along the axis, 0 to 1.
+    /// Position along the axis, 0 to 1.
     fn place(&self, value: f64) -> f64 {
         let scale = |x: f64| if self.logarithmic { x.ln() } else { x };
         let (low, high) = (scale(self.range.0), scale(self.range.1));
@@ -83,12 +83,12 @@ impl Axis {
     }
 }
 
-/// Pixels in the library's units.
+/// Converts pixels to the library's units.
 pub(crate) const fn px(pixels: u32) -> i32 {
     (pixels * SCALE) as i32
 }
 
-/// The picture of a series.
+/// Draws the picture of a series.
 pub(super) fn svg(starts: &[Start]) -> Result<String, String> {
     let mut text = String::new();
     {
@@ -124,7 +124,7 @@ fn draw(root: &Area<'_>, starts: &[Start]) -> Result<(), DrawError> {
     root.present()
 }
 
-/// What the shades and crosses mean.
+/// Draws the legend of shades and crosses.
 fn legend(root: &Area<'_>) -> Result<(), DrawError> {
     let y = px(56);
     write(root, "first try:", (px(24), y), 14, HPos::Left, false)?;
@@ -145,7 +145,7 @@ fn legend(root: &Area<'_>) -> Result<(), DrawError> {
     write(root, "none drawn here", (x + px(24), y), 14, HPos::Left, false)
 }
 
-/// One map: shares in tiles, failures as crosses.
+/// Draws one map: shares in tiles, failures as crosses.
 fn draw_map(area: &Area<'_>, starts: &[Start], x: &Axis, y: &Axis) -> Result<(), DrawError> {
     let (width, height) = area.dim_in_pixel();
     let (left, right, top, bottom) = (px(66), width as i32 - px(18), px(8), height as i32 - px(62));
@@ -191,7 +191,7 @@ fn draw_map(area: &Area<'_>, starts: &[Start], x: &Axis, y: &Axis) -> Result<(),
     area.draw_text(y.title, &upright, (px(18), (top + bottom) / 2))
 }
 
-/// From pale (all at the first try) to deep blue.
+/// Shade of a share, from pale (all starts succeed at the first try) to deep blue.
 fn shade(share: f64) -> RGBColor {
     let depth = ((1.0 - share) / (1.0 - DARKEST)).clamp(0.0, 1.0);
     let mix = |from: u8, to: u8| (f64::from(from) + depth * (f64::from(to) - f64::from(from))).round() as u8;
@@ -205,7 +205,7 @@ fn cross(area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), DrawError> {
     area.draw(&PathElement::new([(x - arm, y + arm), (x + arm, y - arm)], style))
 }
 
-/// A word.
+/// Writes a word.
 pub(crate) fn write(
     area: &Area<'_>,
     text: &str,

@@ -1,4 +1,5 @@
-//! How fast the bench is from Python, beside the Rust bench and beside what else simulates motors there (`python/benches/speed.py`), all in the same run.
+//! Speed of the bench from Python, beside the Rust bench and beside other motor simulators in Python
+//! (`python/benches/speed.py`), all in the same run.
 
 use super::{Context, tools};
 use crate::figures::{Figure, Part};
@@ -6,16 +7,17 @@ use crate::{driven, install, steps};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Runs of each, in turns: a machine with other work only ever makes a run slower, so the fastest counts.
+/// Runs of each program, in turns. Other work of the machine only ever makes a run slower, so the fastest
+/// counts.
 const ROUNDS: usize = 5;
-/// Measured ticks of a run of the Rust bench.
+/// Number of measured ticks of a run of the Rust bench.
 const TICKS: &str = "40000";
-/// Goal: share of the Rust bench's rate, neither of them keeping anything.
+/// Goal: share of the Rust bench's rate, with no trace kept in either.
 const RATIO_MIN: f64 = 0.9;
-/// Others, as the script names them; each runs once in a round, but the slow ones once in all.
+/// Other simulators, as the script names them. Each runs once in a round, but the slow ones only once in all.
 const OTHERS: [(&str, usize); 3] = [("numba", ROUNDS), ("motulator", 1), ("gym-electric-motor", 1)];
 
-/// The rate in hall and sensorless mode, then the others'.
+/// Measures the rate in hall and sensorless mode, then the others'.
 pub(super) fn part(context: &Context<'_>) -> Part {
     let environment = install::target_directory(context.root).join(ENVIRONMENT);
     if let Err(reason) = tools::python_environment(context, &environment) {
@@ -30,17 +32,17 @@ pub(super) fn part(context: &Context<'_>) -> Part {
     }
 }
 
-/// Where its packages are.
+/// Folder of its packages.
 const ENVIRONMENT: &str = "python-benches";
 
 struct Programs {
-    /// The Rust bench.
+    /// Path of the program of the Rust bench.
     driven: PathBuf,
     python: PathBuf,
     script: PathBuf,
 }
 
-/// Builds what is measured, the package in an environment of its own.
+/// Builds the programs, with the package in an environment of its own.
 fn prepare(root: &Path) -> Result<Programs, String> {
     let driven = driven::build(root)?;
     let (target, benches) = (install::target_directory(root), root.join("python/benches"));
@@ -51,7 +53,7 @@ fn prepare(root: &Path) -> Result<Programs, String> {
     Ok(Programs { driven, python, script: benches.join("speed.py") })
 }
 
-/// The fastest of several runs: its rate, and what the program says of itself.
+/// The fastest of several runs: its rate, and the program's description of itself.
 #[derive(Default)]
 struct Best {
     rate: f64,
@@ -69,7 +71,7 @@ impl Best {
     }
 }
 
-/// The first number that a program prints, and what follows.
+/// Runs a program; returns the first number that it prints, and the rest.
 fn run(command: &mut Command) -> Result<(f64, String), String> {
     let text = driven::output(command)?;
     let (first, what) = text.trim().split_once(' ').unwrap_or((text.trim(), ""));
@@ -112,7 +114,7 @@ fn measure(programs: &Programs) -> Part {
         part.failures.extend([rust, bare, kept].into_iter().filter_map(|best| best.failure.clone()));
     }
     for (best, (name, _)) in others.into_iter().zip(OTHERS) {
-        // What cannot be installed is no fault of ours, but it is said.
+        // A simulator that cannot be installed is not a failure, but it is reported.
         let rate = if best.rate > 0.0 { best.rate } else { f64::NAN };
         part.figures
             .push(Figure::new(format!("{name}, for comparison"), rate, "simulated s/s").note(best.what));

@@ -1,4 +1,4 @@
-//! Speed range, sensorless: how far each preset reaches down from its largest set-point.
+//! Speed range, sensorless: ratio of each preset's largest set-point to the slowest that it holds.
 
 use super::Context;
 use super::operating::Point;
@@ -13,12 +13,12 @@ use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use std::f64::consts::TAU;
 
-/// Largest over smallest speed that half of the presets must reach.
+/// Ratio of largest to smallest speed that half of the presets must reach.
 const RANGE: f64 = 50.0;
-/// Mean speed over a second must be that near, share of the set-point.
+/// Largest deviation of the mean speed over a second, share of the set-point.
 const NEAR: f64 = 0.01;
 
-/// The best supply of four for each preset.
+/// Measures each preset at the best of four supplies.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let presets: Vec<&Preset> = PRESETS.iter().collect();
     let results = map(&presets, |preset| best(preset));
@@ -33,7 +33,7 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     Part::new(vec![figure.note(each.join(", "))], Vec::new())
 }
 
-/// Largest range that is held, and at which supply.
+/// Largest range that is held, and its supply.
 fn best(preset: &'static Preset) -> (f64, f64) {
     let supplies = [18.0, 24.0, 48.0, 60.0];
     supplies
@@ -42,7 +42,7 @@ fn best(preset: &'static Preset) -> (f64, f64) {
         .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best })
 }
 
-/// From the largest set-point down to the slowest that is held within 1 %, at no load.
+/// Ratio of the largest set-point to the slowest that is held within 1 %, without load.
 fn range(preset: &'static Preset, supply: f64) -> f64 {
     let point = Point { preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None };
     let Ok(plan) = point.plan() else { return 0.0 };
@@ -56,7 +56,7 @@ fn range(preset: &'static Preset, supply: f64) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// Held for a second within 1 %, with the smallest set-point lowered to it.
+/// Mean speed if it is held for a second within 1 %, with the smallest set-point lowered to it.
 fn held(preset: &'static Preset, supply: f64, top: f64, rpm: f64) -> Option<f64> {
     let commissioning = commission(preset, supply, rpm.min(top))?;
     let mut plant = PlantConfig::new(preset.motor, supply);

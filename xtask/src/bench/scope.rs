@@ -1,4 +1,5 @@
-//! How much of the bus a download of the virtual scope takes, beside everything else that a drive sends while its motor runs.
+//! Share of the bus that a download of the virtual scope takes, beside everything else that a drive sends
+//! while its motor runs.
 
 use super::Context;
 use crate::figures::{Figure, Part};
@@ -13,12 +14,12 @@ use narx_sim::session::{Session, SessionConfig};
 /// Four signals at every tick: the whole memory of 4096 words.
 const SIGNALS: [Signal; 4] = [Signal::SetPoint, Signal::SpeedHall, Signal::Power, Signal::Angle];
 const SAMPLES: i32 = 1024;
-/// Words that a frame of the record carries.
+/// Words of the record in one frame.
 const WORDS: u32 = SIGNALS.len() as u32 * SAMPLES as u32;
-/// Longest wait for anything, s.
+/// Longest wait for an answer, s.
 const PATIENCE: f64 = 10.0;
 
-/// Records and fetches.
+/// Makes and downloads a record.
 pub(super) fn part(_: &Context<'_>) -> Part {
     match measure() {
         Ok(figures) => Part::new(figures, Vec::new()),
@@ -48,7 +49,7 @@ fn measure() -> Result<Vec<Figure>, String> {
     ] {
         ask(&mut session, Request::Write { number, raw })?;
     }
-    // The first request arms, the second triggers.
+    // The first request arms the scope, the second triggers it.
     ask(&mut session, Request::TriggerScope)?;
     ask(&mut session, Request::TriggerScope)?;
     let done = |session: &mut Session| {
@@ -88,7 +89,7 @@ fn measure() -> Result<Vec<Figure>, String> {
     ])
 }
 
-/// Share of the time in which the bus was busy.
+/// Runs `work`; returns the share of the time in which the bus was busy.
 fn load(session: &mut Session, work: impl FnOnce(&mut Session) -> Result<(), String>) -> Result<f64, String> {
     let (before, from) = (session.bench().bus_statistics(), session.bench().now_ns());
     work(session)?;

@@ -1,5 +1,5 @@
-//! How fast the bench is: simulated seconds a second on one thread, the real core in the loop, beside a hand-tuned C loop of
-//! a simpler plant (`xtask/floor/plant.c`) in the same run.
+//! Speed of the bench: simulated seconds per second on one thread, with the real core in the loop, beside a
+//! hand-tuned C loop of a simpler plant (`xtask/floor/plant.c`) in the same run.
 
 use super::{Context, python};
 use crate::driven;
@@ -8,17 +8,18 @@ use crate::install;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Runs of each, in turns: a machine with other work only ever makes a run slower, so the fastest counts.
+/// Runs of each program, in turns. Other work of the machine only ever makes a run slower, so the fastest
+/// counts.
 const ROUNDS: usize = 5;
-/// Measured ticks of a run.
+/// Number of measured ticks of a run.
 const TICKS: &str = "40000";
 /// Simulated seconds of a run of the C loop.
 const FLOOR_SECONDS: &str = "10";
-/// Goals: simulated seconds a second, and the ratio to the C loop.
+/// Goals: simulated seconds per second, and the ratio to the C loop.
 const RATE_MIN: f64 = 200.0;
 const RATIO_MIN: f64 = 0.6;
 
-/// Measures and prints the rates alone, from Python if asked; exit code 1 if a goal is not reached.
+/// Measures and prints the rates alone, from Python on request; exit code 1 if a goal is missed.
 pub fn command(root: &Path, from_python: bool) -> ExitCode {
     let context = Context { root, cases: Vec::new(), all: true, out: Path::new("target") };
     let measured = if from_python { python::part(&context) } else { part(&context) };
@@ -28,7 +29,7 @@ pub fn command(root: &Path, from_python: bool) -> ExitCode {
     if part.is_met() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Rate and ratio in hall and sensorless mode.
+/// Measures rate and ratio in hall and sensorless mode.
 pub(super) fn part(context: &Context<'_>) -> Part {
     let root = context.root;
     let bench = driven::build(root);
@@ -78,14 +79,14 @@ fn keep(best: &mut f64, rate: Result<f64, String>, failures: &mut Vec<String>) {
     }
 }
 
-/// The first number that a program prints.
+/// Runs a program; returns the first number that it prints.
 fn rate(command: &mut Command) -> Result<f64, String> {
     let text = driven::output(command)?;
     let first = text.split_whitespace().next().and_then(|word| word.parse().ok());
     first.ok_or_else(|| format!("no figure in: {text}"))
 }
 
-/// The C loop, for this very machine.
+/// Compiles the C loop for this very machine.
 fn compile_floor(root: &Path) -> Result<PathBuf, String> {
     let program = install::target_directory(root).join("floor");
     let source = root.join("xtask/floor/plant.c");

@@ -6,19 +6,20 @@ use narx_sim::random_plant::{RandomPlant, Spread};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// Closed loop must be held this long, s.
+/// Time for which closed loop must be held, s.
 const HELD: f64 = 1.0;
-/// A start that has come to no end by then has none, s.
+/// Longest time of a start, s; one that has not ended by then is undecided.
 const LONGEST: f64 = 15.0;
-/// True speed over estimated speed at the end: further apart and the estimator runs something else than the rotor.
+/// Largest relative difference of true and estimated speed at the end; if they differ more, the estimator
+/// does not follow the rotor.
 const AGREEMENT: f64 = 0.05;
 
-/// How a start ended.
+/// End of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// State 4 was held for a second, and the rotor turned as estimated.
     Started {
-        /// Without Auto-restart.
+        /// True if it needed no Auto-restart.
         first_try: bool,
     },
     /// The drive gave up and went to Standby.
@@ -44,36 +45,36 @@ impl fmt::Display for Ending {
     }
 }
 
-/// A start and how it ended.
+/// A start and its end.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// Its seed: what `--case` replays.
+    /// Seed that `--case` replays.
     pub case: u64,
-    /// What was started.
+    /// Plant that was started.
     pub drawn: RandomPlant,
-    /// How it ended.
+    /// End of the start.
     pub ending: Ending,
-    /// From the Drive request to the state 4 that was held, s; 0 if none was.
+    /// Time from the Drive request to the state 4 that was held, s; 0 if none was.
     pub to_closed_loop: f64,
     /// Largest magnitude of a phase current, A.
     pub peak_current: f64,
 }
 
 impl Start {
-    /// Runs the start of that seed; `None` if its draw has no plant.
+    /// Runs the start of that seed; `None` if no plant follows from it.
     pub fn run(case: u64) -> Option<Self> {
         let drawn = RandomPlant::new(case, &Spread::PROMISED)?;
         let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
         Some(Self::follow(case, drawn, &mut trial))
     }
 
-    /// Runs the start of a plant that nobody drew.
+    /// Runs the start of a plant that has no seed.
     pub fn of(drawn: RandomPlant) -> Self {
         let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
         Self::follow(0, drawn, &mut trial)
     }
 
-    /// Asks for the start and follows it to its end.
+    /// Requests the start and follows it to its end.
     pub(crate) fn follow(case: u64, drawn: RandomPlant, trial: &mut Trial) -> Self {
         trial.start(drawn.rpm);
         let (mut first_try, mut driven, mut since) = (true, false, None);
@@ -112,23 +113,24 @@ impl Start {
         Self { case, drawn, ending, to_closed_loop, peak_current: trial.peak }
     }
 
-    /// Standby or a fault with a name, if not a start: never a rotor that does something else unnoticed.
+    /// Returns whether it ended in a start, in Standby or in a fault with a name: the rotor never does
+    /// anything else unnoticed.
     pub const fn is_accounted_for(&self) -> bool {
         !matches!(self.ending, Ending::Deceived | Ending::Undecided)
     }
 
-    /// It runs.
+    /// Returns whether the motor started.
     pub const fn started(&self) -> bool {
         matches!(self.ending, Ending::Started { .. })
     }
 
-    /// It ran without Auto-restart.
+    /// Returns whether the motor started without Auto-restart.
     pub const fn started_at_once(&self) -> bool {
         matches!(self.ending, Ending::Started { first_try: true })
     }
 }
 
-/// Mean of what was added.
+/// Mean of the added values.
 #[derive(Clone, Copy, Default)]
 struct Mean {
     sum: f64,
@@ -146,12 +148,13 @@ impl Mean {
     }
 }
 
-/// The true speed of the last tenth of a second against the estimate, both as means: under a heavy load a single crossing may be late.
+/// Compares the true speed of the last 0.1 s with the estimate, both as means: under a heavy load a single
+/// crossing may be late.
 fn judge(trial: &Trial, angle: f64, time: f64, estimated: f64, first_try: bool) -> Ending {
     let seen = trial.seen();
     let pole_pairs = f64::from(trial.bench.plant().config().motor.pole_pairs);
     let turning = (seen.angle - angle) / (seen.time - time) / TAU * pole_pairs;
-    // While the speed still rises the mean lies behind: twice the tolerance over a tenth of a second of ramp.
+    // The mean lags while the speed rises: over 0.1 s of the ramp, twice the tolerance is allowed.
     let apart = (estimated - turning).abs() > AGREEMENT * 2.0 * turning.abs();
     if apart { Ending::Deceived } else { Ending::Started { first_try } }
 }

@@ -1,4 +1,4 @@
-//! The promises about starting: how often, and how soon.
+//! The promises about starting: share of successful starts, and time to closed loop.
 
 use super::start::Start;
 use super::trial::Trial;
@@ -11,19 +11,19 @@ use narx_sim::plant::PlantConfig;
 use narx_sim::presets::{PRESETS, Preset};
 use std::fs;
 
-/// Starts that succeed within Auto-restart, %.
+/// Share of starts that succeed within Auto-restart, %.
 const STARTED: f64 = 99.9;
-/// Request to closed loop at nominal inertia and at any corner, s.
+/// Longest time from the request to closed loop at nominal inertia and at any corner, s.
 const SOON: (f64, f64) = (0.8, 3.0);
-/// Peak phase current (Table 1: 12 A) and 5 % in the windings.
+/// Largest peak phase current: 12 A (Table 1), and 5 % in the windings.
 const PEAK: f64 = 12.6;
 
-/// The seeds of a series.
+/// Seeds of a series.
 pub(super) fn cases(seed: u64, runs: u64) -> Vec<u64> {
     (0..runs).map(|run| seed.wrapping_mul(1_000_000).wrapping_add(run)).collect()
 }
 
-/// Starts of random plants, and their picture.
+/// Measures starts of random plants, and draws their picture.
 pub(super) fn part(context: &Context<'_>) -> Part {
     let starts: Vec<Start> = map(&context.cases, |case| Start::run(*case)).into_iter().flatten().collect();
     let mut part = judge(&starts, context.cases.len());
@@ -71,7 +71,8 @@ fn judge(starts: &[Start], asked: usize) -> Part {
     )
 }
 
-/// Every preset as its data sheet has it, at four supplies, each the slowest of eight angles.
+/// Measures every preset with the values of its data sheet, at four supplies, each with the slowest of eight
+/// angles.
 pub(super) fn nominal(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
@@ -89,7 +90,8 @@ pub(super) fn nominal(_: &Context<'_>) -> Part {
     Part::new(vec![figure.note(format!("{} motors and supplies, 8 angles each", points.len()))], failures)
 }
 
-/// Seconds from the request to state 4; infinite if it takes more than 5 s, 0 for what commissioning refuses.
+/// Time from the request to state 4, s; infinite if it takes more than 5 s, 0 if commissioning refuses the
+/// motor.
 fn to_closed_loop(preset: &Preset, supply: f64, angle_deg: f64) -> f64 {
     let plate = Nameplate {
         motor: preset.motor,

@@ -10,16 +10,16 @@ use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 use narx_sim::random_plant::{RandomPlant, Spread};
 
-/// 500 to 4000 rpm with 4 pole pairs, electrical rpm.
+/// Electrical speeds: 500 to 4000 rpm with 4 pole pairs, rpm.
 const ELECTRICAL_RPM: [f64; 4] = [2_000.0, 4_000.0, 8_000.0, 16_000.0];
-/// Random plants: one of so many of the series, and at most so many.
+/// Random plants: every 20th of the series, and at most this many.
 const EVERY: usize = 20;
 const PLANTS_MAX: usize = 500;
 
-/// A figure with the run it is of.
+/// Name of a run, and its figures.
 type Named = (String, Figures);
 
-/// Presets at the four speeds, without and with rated load, and some of the random plants.
+/// Measures presets at the four speeds, without and with rated load, and some of the random plants.
 pub(super) fn part(context: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
@@ -44,7 +44,7 @@ fn name(point: &Point<'_>) -> String {
     format!("{preset} at {} V, {rpm:.0} rpm, {:.0} % load", point.supply, 100.0 * point.load)
 }
 
-/// A random plant at its own set-point where that is within the promised speeds.
+/// Runs a random plant at its own set-point if that is within the promised speeds.
 fn random(case: u64) -> Option<(String, Result<Figures, String>)> {
     let drawn = RandomPlant::new(case, &Spread::PROMISED)?;
     let electrical = f64::from(drawn.rpm.abs()) * f64::from(drawn.preset.motor.pole_pairs);
@@ -53,7 +53,8 @@ fn random(case: u64) -> Option<(String, Result<Figures, String>)> {
     }
     let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
     let figures = measure(&mut trial, drawn.rpm, State::SensorlessClosedLoop, SETTLE);
-    // What cannot reach its set-point is held back by torque or supply: only steady running is judged here.
+    // A plant that cannot reach its set-point is limited by torque or supply: only steady running is
+    // judged here.
     let limited = figures.as_ref().map_or_else(|why| why.starts_with("set-point"), |f| !f.unlimited);
     let name = format!("{} at {} rpm, cargo xtask bench --case {case}", drawn.preset.name, drawn.rpm);
     (!limited).then_some((name, figures))

@@ -1,4 +1,4 @@
-//! How a sweep grows with threads: the short run of `narx.sweep`, on one thread and on all.
+//! Scaling of a sweep with threads: the short run of `narx.sweep`, on one thread and on all.
 
 use super::Context;
 use crate::figures::{Figure, Part};
@@ -11,12 +11,12 @@ use std::time::Instant;
 
 /// Runs of each, in turns; the fastest counts.
 const ROUNDS: usize = 3;
-/// Share of ideal scaling that is promised.
+/// Promised share of ideal scaling.
 const SHARE_MIN: f64 = 0.8;
-/// Simulated seconds of a run.
+/// Simulated time of a run, s.
 const SECONDS: f64 = 1.5;
 
-/// Every preset with hall sensors at its nominal supply, twice.
+/// Runs every preset with hall sensors at its nominal supply, twice.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let runs: Vec<Experiment> = PRESETS.iter().chain(&PRESETS).map(experiment).collect();
     let most = threads();
@@ -48,7 +48,7 @@ fn experiment(preset: &narx_sim::presets::Preset) -> Experiment {
     Experiment { session, rpm: None, seconds: SECONDS, fault: None }
 }
 
-/// Runs a second.
+/// Number of runs per second.
 fn rate(runs: &[Experiment], threads: usize) -> f64 {
     let begun = Instant::now();
     let mut done = 0;

@@ -1,4 +1,5 @@
-//! The promise about top speed at a control tick of 100 us, with sampled back-EMF and with time-stamped edges.
+//! The promise about top speed at a control tick of 100 us, with sampled back-EMF and with time-stamped
+//! edges.
 
 use super::Context;
 use super::trial::Trial;
@@ -10,10 +11,10 @@ use narx_sim::engineering;
 use narx_sim::plant::{ComparatorConfig, MotorConfig, PlantConfig};
 use std::f64::consts::TAU;
 
-/// Supply of the runs, V: well away from the over-voltage threshold, which other promises are about.
+/// Supply of the runs, V: far from the over-voltage threshold, which other promises concern.
 const SUPPLY: f64 = 48.0;
 
-/// A motor that reaches 60 000 electrical rpm there.
+/// A motor that reaches 60 000 electrical rpm at this supply.
 fn motor() -> MotorConfig {
     MotorConfig {
         torque_constant: 0.025,
@@ -24,13 +25,13 @@ fn motor() -> MotorConfig {
     }
 }
 
-/// The shaft drives a fan that takes this at 50 000 electrical rpm, N m.
+/// Torque of the fan on the shaft at 50 000 electrical rpm, N m.
 const FAN: f64 = 0.005;
 
 /// Delay of the comparators, s.
 const DELAY: f64 = 2e-6;
 
-/// Highest set-point that is held within 0.5 %, in steps.
+/// Searches for the highest set-point that is held within 0.5 %, in steps.
 pub(super) fn part(_: &Context<'_>) -> Part {
     let sampled = highest(false, &[16_000, 20_000, 24_000, 26_000, 28_000, 30_000]);
     let edges = highest(true, &[24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000]);
@@ -48,7 +49,7 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     part
 }
 
-/// The last set-point that was held, and why the next was not.
+/// Returns the last set-point that was held, and the reason why the next was not.
 fn highest(edges: bool, speeds: &[i32]) -> (i32, Option<String>) {
     let motor = motor();
     let mut held = 0;
@@ -87,7 +88,8 @@ fn hold(motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> 
     Ok(())
 }
 
-/// The commissioned set with the largest set-point raised to what is tried: commissioning keeps four samples a sector.
+/// Commissions the motor with the largest set-point raised to `rpm`: commissioning alone would keep four
+/// samples a sector.
 fn commission(motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning, String> {
     let plate = Nameplate { motor, rated_current: None, supply: SUPPLY, open_loop_speed: None };
     let mut commissioning = plate.commission(Mode::Sensorless).map_err(|error| error.to_string())?;

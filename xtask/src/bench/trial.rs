@@ -1,4 +1,4 @@
-//! A commissioned drive on the bench, run tick by tick, with what the eye of a test engineer keeps of it.
+//! A commissioned drive on the bench, run tick by tick, with the observations of a test engineer.
 
 use crate::commutations::Commutations;
 use narx_core::master::{Config, Master};
@@ -8,9 +8,9 @@ use narx_sim::commissioning::Commissioning;
 use narx_sim::plant::{Observation, PlantConfig};
 use std::f64::consts::TAU;
 
-/// Ticks from power-up until the drive takes requests: boot (0.5 s) and two of the master's periods.
+/// Ticks from power-up until the drive accepts requests: boot (0.5 s) and two of the master's periods.
 const BOOT: u32 = 6_000;
-/// One tick, s.
+/// Duration of a tick, s.
 pub(crate) const TICK: f64 = 1e-4;
 
 /// A run.
@@ -26,7 +26,7 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
-    /// Powers up and waits until the drive takes requests. `keep` traces and records.
+    /// Powers up and waits until the drive accepts requests. `keep` turns trace and recording on.
     pub(crate) fn new(plant: &PlantConfig, commissioning: &Commissioning, label: &str, keep: bool) -> Self {
         let bench = Bench::new(&BenchConfig {
             plant: plant.clone(),
@@ -45,17 +45,17 @@ impl Trial {
         trial
     }
 
-    /// Asks for a speed, rpm, negative in reverse.
+    /// Requests a speed, rpm, negative in reverse.
     pub(crate) fn start(&mut self, rpm: i32) {
         self.master.start(rpm);
     }
 
-    /// Asks for motor mode 3.
+    /// Requests motor mode 3.
     pub(crate) fn shut_down(&mut self) {
         self.master.shut_down();
     }
 
-    /// One control tick.
+    /// Runs one control tick.
     pub(crate) fn tick(&mut self) {
         while let Some(frame) = self.master.poll_frame(self.bench.now_ns() / 1000) {
             // Two frames every 50 ms do not fill a queue of 64.
@@ -70,7 +70,7 @@ impl Trial {
         self.commutations.watch(&self.bench);
     }
 
-    /// `seconds` of ticks; false as soon as `holds` does not.
+    /// Runs `seconds` of ticks; returns false as soon as `holds` is false.
     pub(crate) fn run_while(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
         let ticks = (seconds / TICK).round() as u32;
         (0..ticks).all(|_| {
@@ -79,7 +79,7 @@ impl Trial {
         })
     }
 
-    /// Seconds until `holds`, if it does within `most`.
+    /// Returns the seconds until `holds` is true, if that takes at most `most`.
     pub(crate) fn until(&mut self, most: f64, holds: impl Fn(&Self) -> bool) -> Option<f64> {
         let ticks = (most / TICK).round() as u32;
         let found = (1..=ticks).find(|_| {
@@ -89,21 +89,21 @@ impl Trial {
         found.map(|ticks| f64::from(ticks) * TICK)
     }
 
-    /// Mean true speed over the next `seconds`, rpm.
+    /// Runs `seconds`; returns the mean true speed, rpm.
     pub(crate) fn mean_rpm(&mut self, seconds: f64) -> f64 {
         let from = self.seen;
         self.run_while(seconds, |_| true);
         (self.seen.angle - from.angle) / (self.seen.time - from.time) * 60.0 / TAU
     }
 
-    /// The pattern changes of the next `seconds`.
+    /// Runs `seconds`; returns the pattern changes.
     pub(crate) fn commutations(&mut self, seconds: f64) -> &Commutations {
         self.commutations.clear();
         self.run_while(seconds, |_| true);
         &self.commutations
     }
 
-    /// What the drive says its state is.
+    /// State that the drive reports.
     pub(crate) fn state(&self) -> State {
         self.bench.status().state
     }

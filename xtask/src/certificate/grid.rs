@@ -5,38 +5,39 @@ use narx_sim::plant::{LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use narx_sim::random_plant::{RandomPlant, lock_torque};
 
-/// One start: what is other than on the data sheet.
+/// One start: its deviations from the data sheet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     preset: &'static Preset,
-    /// Of the rotor's.
+    /// Inertia, times the data sheet's.
     inertia: f64,
-    /// Coulomb friction, of the data sheet's.
+    /// Coulomb friction, times the data sheet's.
     friction: f64,
-    /// A load of Coulomb's kind that makes friction and load together this share of the lock's torque; without one there is none.
+    /// Share of the lock's torque that friction and load take together, with the load a Coulomb torque;
+    /// without a share there is no load.
     load: Option<f64>,
-    /// V.
+    /// Supply voltage, V.
     supply: f64,
-    /// Of winding and magnets, degrees Celsius.
+    /// Temperature of winding and magnets, degrees Celsius.
     temperature: f64,
-    /// Electrical, degrees.
+    /// Electrical angle of the rotor, degrees.
     angle: f64,
     reverse: bool,
-    /// Place in its grid.
+    /// Position in its grid.
     pub(super) column: usize,
     pub(super) row: usize,
 }
 
-/// An axis: a factor, its values, and what sets it.
+/// An axis: a factor, its values, and the function that sets it.
 pub(super) struct Axis {
     pub(super) title: &'static str,
     pub(super) values: &'static [f64],
     set: fn(&mut Cell, f64),
-    /// Where the promise ends: values beyond are outside of it.
+    /// Limits of the promise: values beyond are not promised.
     pub(super) promised: (f64, f64),
 }
 
-/// Two axes.
+/// A grid of two factors.
 pub(super) struct Grid {
     pub(super) x: &'static Axis,
     pub(super) y: &'static Axis,
@@ -79,12 +80,12 @@ const ANGLE: Axis = Axis {
     promised: (0.0, 360.0),
 };
 
-/// Every grid: three, so that each factor meets the one that it is likeliest to disagree with.
+/// All grids: three, so that each factor is combined with the one that it is most likely to interact with.
 pub(super) const GRIDS: [Grid; 3] =
     [Grid { x: &INERTIA, y: &LOAD }, Grid { x: &SUPPLY, y: &TEMPERATURE }, Grid { x: &ANGLE, y: &FRICTION }];
 
 impl Grid {
-    /// Its cells for a motor, each in both directions and from two angles.
+    /// Cells of the grid for a motor, each in both directions.
     pub(super) fn cells(&self, preset: &'static Preset) -> impl Iterator<Item = Cell> {
         let middle = Cell {
             preset,
@@ -102,7 +103,8 @@ impl Grid {
             .flat_map(|column| (0..self.y.values.len()).map(move |row| (column, row)));
         places.flat_map(move |(column, row)| {
             [false, true].map(|reverse| {
-                // Angles that neither lock nor sensors know; a grid of angles sets its own.
+                // Angles that are special neither for the lock nor for the sensors; a grid of angles sets
+                // its own.
                 let angle = (77.0 + 137.5 * (column * self.y.values.len() + row) as f64).rem_euclid(360.0);
                 let mut cell = Cell { reverse, column, row, angle, ..middle };
                 for (axis, place) in [(self.x, column), (self.y, row)] {
@@ -117,7 +119,7 @@ impl Grid {
 }
 
 impl Cell {
-    /// Every factor but friction and load together is within what is promised.
+    /// Returns whether every factor but friction and load together is within the promise.
     pub(super) fn is_promised(&self) -> bool {
         let within = |axis: &Axis, value: f64| (axis.promised.0..=axis.promised.1).contains(&value);
         within(&INERTIA, self.inertia)
@@ -126,8 +128,8 @@ impl Cell {
             && within(&TEMPERATURE, self.temperature)
     }
 
-    /// Its plant, commissioned from the data sheet, and the share of the lock's torque that friction and load take; nothing if commissioning refuses the
-    /// motor at this supply.
+    /// Plant of the cell, commissioned from the data sheet, and the share of the lock's torque that friction
+    /// and load take; nothing if commissioning refuses the motor at this supply.
     pub(super) fn plant(&self) -> Option<(RandomPlant, f64)> {
         let sheet = &self.preset.motor;
         let plate = Nameplate {

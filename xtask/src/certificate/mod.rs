@@ -1,5 +1,6 @@
-//! The start-up certificate: where the sensorless start succeeds, and where it does not any more. Grids of inertia, load, friction, supply, temperature and
-//! angle over every motor of the market, well beyond what is promised, so that the edge is seen and can be compared with what physics leaves.
+//! The start-up certificate: conditions under which the sensorless start succeeds, and conditions under which
+//! it fails. Grids of inertia, load, friction, supply, temperature and angle over every motor of the market
+//! go well beyond the promise, so that they show the limit, which can be compared with the physical one.
 
 mod grid;
 mod picture;
@@ -20,31 +21,32 @@ use std::time::Instant;
 /// Arguments of `certificate`.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Motors of the market, by their names with commas between; without it all of them
+    /// Motors of the market by name, separated by commas; without a name all of them
     #[arg(long, value_delimiter = ',')]
     pub motors: Vec<String>,
-    /// Where starts.json and certificate.svg go
+    /// Folder for starts.json and certificate.svg
     #[arg(long, default_value = "docs/evidence")]
     pub out: PathBuf,
 }
 
-/// Share of the lock's torque that friction and load may take: what is promised of a start.
+/// Share of the lock's torque that friction and load may take in a promised start.
 pub const BREAKAWAY_MAX: f64 = 0.5;
-/// Starts within the promise that succeed, %.
+/// Share of the promised starts that succeed, %.
 const STARTED: f64 = 99.9;
 
-/// What was found.
+/// Results of the measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
-    /// Figures and failures within what is promised.
+    /// Figures and failures within the promise.
     pub part: Part,
-    /// Starts by what friction and load take of the lock's torque: below this share, how many, how many started.
+    /// Starts by the share of the lock's torque that friction and load take: upper bound of the share, number
+    /// of starts, number of successes.
     pub breakaway: Vec<(f64, u64, u64)>,
-    /// Ends of the starts that did not succeed within what is promised, and beyond it.
+    /// Ends of the starts that did not succeed, with their numbers within and beyond the promise.
     pub endings: BTreeMap<String, (u64, u64)>,
 }
 
-/// Measures, draws and writes; exit code 1 if a start within the promise failed more often than promised.
+/// Measures, draws and writes; exit code 1 if a promised start failed more often than promised.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     let chosen = |preset: &&Preset| {
         arguments.motors.is_empty() || arguments.motors.iter().any(|name| name == preset.name)
@@ -83,19 +85,19 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
 struct Tried {
     grid: usize,
     cell: Cell,
-    /// Friction and load, share of the lock's torque.
+    /// Share of the lock's torque that friction and load take.
     breakaway: f64,
     start: Start,
 }
 
 impl Tried {
-    /// Within what is promised.
+    /// Returns whether the start is within the promise.
     fn is_promised(&self) -> bool {
         self.cell.is_promised() && self.breakaway <= BREAKAWAY_MAX
     }
 }
 
-/// Every grid over these motors, or one of so many of its cells, and the picture.
+/// Runs every grid over these motors, or every `every`th of its cells, and draws the picture.
 pub fn measure(presets: &[&'static Preset], every: usize) -> (Certificate, Result<String, String>) {
     let mut cells = Vec::new();
     for (grid, plan) in GRIDS.iter().enumerate() {
@@ -181,7 +183,7 @@ impl Certificate {
     /// Reads a file.
     ///
     /// # Errors
-    /// There is none, or it is something else.
+    /// Fails if there is no file, or if it has another content.
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
@@ -190,7 +192,7 @@ impl Certificate {
     /// Writes a file.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Fails if it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), String> {
         figures::write(path, self)
     }

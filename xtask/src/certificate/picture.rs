@@ -1,4 +1,5 @@
-//! The certificate as a picture: a map for each grid, the share of starts that succeed in each cell, and the line up to which it is promised.
+//! The certificate as a picture: a map for each grid, with the share of starts that succeed in each cell, and
+//! the line up to which they are promised.
 
 use super::Tried;
 use super::grid::{Axis, GRIDS, Grid};
@@ -9,10 +10,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 const WIDTH: u32 = 1_260;
 const HEIGHT: u32 = 500;
 
-/// Starts and successes of a cell.
+/// Numbers of starts and successes of a cell.
 type Count = (u32, u32);
 
-/// The picture of all that was tried.
+/// Draws the picture of all starts.
 pub(super) fn svg(tried: &[Tried]) -> Result<String, String> {
     let mut text = String::new();
     {
@@ -41,7 +42,7 @@ fn draw(root: &Area<'_>, tried: &[Tried]) -> Result<(), DrawError> {
     root.present()
 }
 
-/// By column and row.
+/// Counts by column and row.
 fn counts(grid: &Grid, index: usize, tried: &[Tried]) -> Vec<Vec<Count>> {
     let mut counts = vec![vec![(0, 0); grid.y.values.len()]; grid.x.values.len()];
     for one in tried.iter().filter(|one| one.grid == index) {
@@ -70,7 +71,7 @@ fn draw_map(area: &Area<'_>, grid: &Grid, counts: &[Vec<Count>]) -> Result<(), D
             }
             let share = f64::from(*started) / f64::from(*tried);
             area.draw(&Rectangle::new(tile, shade(share).filled()))?;
-            // Down, so that 100 means all of them.
+            // Rounded down, so that 100 means all of them.
             let text = ((100.0 * share).floor() as u32).to_string();
             write(area, &text, middle, 12, HPos::Center, false)?;
         }
@@ -95,14 +96,14 @@ fn draw_map(area: &Area<'_>, grid: &Grid, counts: &[Vec<Count>]) -> Result<(), D
     area.draw_text(grid.y.title, &upright, (px(18), (top + bottom) / 2))
 }
 
-/// First and behind the last of the values that are promised.
+/// Index of the first promised value, and the index after the last.
 fn promised(axis: &Axis) -> (usize, usize) {
     let within = |value: &f64| (axis.promised.0..=axis.promised.1).contains(value);
     let first = axis.values.iter().position(within).unwrap_or(0);
     (first, first + axis.values.iter().filter(|value| within(value)).count())
 }
 
-/// Pale where all succeed, vermilion where none does.
+/// Shade of a share: pale where all starts succeed, vermilion where none does.
 fn shade(share: f64) -> RGBColor {
     let mix = |from: u8, to: u8| {
         (f64::from(from) + (1.0 - share) * (f64::from(to) - f64::from(from))).round() as u8

@@ -1,4 +1,5 @@
-//! Effects that can be taken out of a running test (`core/src/blind.rs`), and which tests have failed without them: `tests/effects.toml`.
+//! Effects that can be disabled in a running test (`core/src/blind.rs`), and the tests that failed without
+//! them: `tests/effects.toml`.
 
 use super::table::{Facts, Row, Section};
 use narx_core::eddycan::OBJECTS;
@@ -14,7 +15,7 @@ const HEAD: &str = "\
 # The coverage table names these and no others.
 ";
 
-/// Tests that compare what a parameter is built into: they show no effect.
+/// Tests that compare the coefficients into which a parameter is built: they show no effect.
 pub(super) const BUILT: [&str; 3] = [
     "motor::every_parameter_reaches_the_tick_in_its_units",
     "motor::what_does_not_fit_is_named_with_what_does",
@@ -35,7 +36,7 @@ impl fmt::Display for Effect {
 }
 
 impl Effect {
-    /// What a row of the coverage table does; nothing for a row whose effect cannot be taken out.
+    /// Effects of a row of the coverage table; none for a row whose effect cannot be disabled.
     pub(crate) fn of(section: &Section, row: &Row) -> Vec<Self> {
         let key = row.key.as_str();
         let rows: Vec<u32> = match section.facts {
@@ -73,12 +74,12 @@ pub(super) fn object_key(index: u16, subindex: Option<u8>) -> String {
     subindex.map_or_else(|| format!("{index:04X}h"), |subindex| format!("{index:04X}h.{subindex}"))
 }
 
-/// Which tests noticed what.
+/// Tests that noticed each effect.
 #[derive(Debug, Default)]
 pub(crate) struct Record(BTreeMap<String, BTreeMap<u32, BTreeSet<String>>>);
 
 impl Record {
-    /// Reads the file; without one nothing has been noticed.
+    /// Reads the file; without a file no effect has been noticed.
     pub(crate) fn read(root: &Path) -> Result<Self, String> {
         let Ok(text) = fs::read_to_string(root.join(FILE)) else { return Ok(Self::default()) };
         let tables: BTreeMap<String, BTreeMap<String, BTreeSet<String>>> =
@@ -107,12 +108,12 @@ impl Record {
         fs::write(root.join(FILE), text).map_err(|error| format!("{FILE}: {error}"))
     }
 
-    /// What has just been found of an effect.
+    /// Records the tests that have just noticed an effect.
     pub(crate) fn set(&mut self, effect: &Effect, tests: BTreeSet<String>) {
         self.0.entry(effect.table.to_owned()).or_default().insert(effect.row, tests);
     }
 
-    /// Forgets effects that are not there any more.
+    /// Forgets effects that no longer exist.
     pub(crate) fn keep_only(&mut self, effects: &BTreeSet<Effect>) {
         for (table, rows) in &mut self.0 {
             rows.retain(|row, _| effects.iter().any(|effect| effect.table == table && effect.row == *row));
@@ -123,8 +124,9 @@ impl Record {
         self.0.get(effect.table)?.get(&effect.row)
     }
 
-    /// Leaves each row whose effects can be taken out the tests that notice it. A test that the table names for a row and that does not is wrong, and so is
-    /// an effect that nothing notices.
+    /// Keeps, in each row whose effects can be disabled, only the tests that notice them. A test that the
+    /// table names for a row but that does not notice is reported as wrong, and so is an effect that no test
+    /// notices.
     pub(super) fn apply(&self, sections: &mut [Section], wrong: &mut Vec<String>) {
         for section in sections {
             let effects: Vec<Vec<Effect>> = section.rows.iter().map(|row| Effect::of(section, row)).collect();

@@ -1,4 +1,4 @@
-//! Rows that the code lists: it says which there must be, and adds what it knows of them.
+//! Rows that the code lists: it determines which rows must exist, and adds its own information to them.
 
 use super::effect::object_key;
 use super::sources::Sources;
@@ -13,7 +13,8 @@ use narx_core::motor::machine::state::{State, TRANSITIONS};
 /// First number of Table 11.
 const CONTROL_FIRST: u16 = 78;
 
-/// The sections with everything that the code adds; what does not fit the code is noted in `wrong`.
+/// Returns the sections with everything that the code adds; reports in `wrong` every row that does not match
+/// the code.
 pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>) -> Vec<Section> {
     let Table { mut section } = table;
     for section in &mut section {
@@ -32,7 +33,7 @@ pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>)
     section
 }
 
-/// Gives every row what its section has for all, once.
+/// Adds the section's shared code and tests to every row, without duplicates.
 pub(super) fn share(sections: &mut [Section]) {
     for section in sections {
         for row in &mut section.rows {
@@ -51,7 +52,7 @@ pub(super) fn share(sections: &mut [Section]) {
     }
 }
 
-/// Each name of the table, and nothing else; the vectors that take it.
+/// Checks for one row for each name of the table, and no others; adds the vectors that take the transition.
 fn transitions(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     let mut names: Vec<&str> = TRANSITIONS.iter().map(|row| row.name).collect();
     names.sort_unstable();
@@ -67,7 +68,7 @@ fn transitions(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>
     }
 }
 
-/// Each bit of the fault word; its causes, and the vectors that end in them.
+/// Checks for one row for each bit of the fault word; adds its causes, and the vectors that end in them.
 fn faults(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     let bits = FaultWord::all().bits();
     let unused = section.rows.iter().filter(|row| row.key.contains('-')).map(|row| row.key.clone());
@@ -90,7 +91,8 @@ fn faults(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     }
 }
 
-/// Keys are identifiers: they must be what the addresses of the figure, type and opcode make, and there are 32. The transcripts that have them.
+/// Checks the rows of messages. Keys are identifiers: each must follow from the addresses of the figure, type
+/// and opcode, and there are 32. Adds the transcripts that contain them.
 fn messages(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     if section.rows.len() != 32 {
         wrong.push(format!("coverage, {}: {} rows, Figure 14 has 32", section.title, section.rows.len()));
@@ -115,7 +117,8 @@ fn messages(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     }
 }
 
-/// A row for every parameter: who reads it, which tests and vectors name it; rows of the file add to that.
+/// Adds a row for every parameter: the code that reads it, and the tests and vectors that name it. Rows of
+/// the file add to that.
 fn parameters(
     section: &mut Section,
     numbers: std::ops::Range<u16>,
@@ -138,7 +141,7 @@ fn parameter_row(parameter: &Parameter, own: Row, sources: &Sources) -> Row {
     let own_key = own.key.clone();
     let mut row = Row { key: parameter.number.to_string(), says: parameter.name().to_owned(), ..own };
     if own_key.contains('-') {
-        // Not every test of a range is about every row of it.
+        // Not every test of a range concerns every row of it.
         row.mentions.append(&mut row.tests);
     }
     if let Some(constant) = sources.constant(parameter.number) {
@@ -149,14 +152,14 @@ fn parameter_row(parameter: &Parameter, own: Row, sources: &Sources) -> Row {
     row
 }
 
-/// Whether a key, a number or `first-last`, means this number.
+/// Returns whether a key, a number or `first-last`, covers this number.
 fn covers(key: &str, number: u16) -> bool {
     let (first, last) = key.split_once('-').unwrap_or((key, key));
     let range = first.parse::<u16>().ok().zip(last.parse::<u16>().ok());
     range.is_some_and(|(first, last)| (first..=last).contains(&number))
 }
 
-/// Each object of the dictionary, by index and subindex.
+/// Checks for one row for each object of the dictionary, by index and subindex.
 fn objects(section: &mut Section, wrong: &mut Vec<String>) {
     let key = |object: &Object| object_key(object.index, object.subindex);
     same_keys(section, OBJECTS.iter().map(key).collect(), wrong);

@@ -1,8 +1,8 @@
 //! `tests/coverage.md`: each row of the specification, the code that carries it and the test that shows it.
 //!
-//! What cannot be read from the code stands in `tests/coverage.toml`. Every file, item, test and vector named there must
-//! exist, and rows that the code lists (transitions, fault bits, parameters, messages) must all be there: so the table
-//! cannot rot.
+//! `tests/coverage.toml` has everything that cannot be read from the code. Every file, item, test and vector
+//! named there must exist, and rows that the code lists (transitions, fault bits, parameters, messages) must
+//! be complete: so the table cannot go out of date.
 
 mod effect;
 mod facts;
@@ -19,15 +19,15 @@ use std::path::Path;
 use std::process::ExitCode;
 use table::Table;
 
-/// Writes `tests/coverage.md`; with `check` only says whether it would change.
+/// Writes `tests/coverage.md`; with `check` only reports whether it would change.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Writes the page, or with `check` compares it: the closing line.
+/// Writes the page or, with `check`, compares it; returns the closing line.
 ///
 /// # Errors
-/// Whatever is named and does not exist, or is missing, a line each.
+/// Fails with a line for each name that does not exist, or that is missing.
 pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
     let sources = Sources::read(root)?;
     let mut wrong = Vec::new();
@@ -57,7 +57,7 @@ fn read(root: &Path) -> Result<Table, String> {
     toml::from_str(&text).map_err(|error| format!("tests/coverage.toml: {error}"))
 }
 
-/// Every effect that can be taken out, with the name of its row and the tests that may notice it.
+/// Effects that can be disabled, each with the name of its row and the tests that may notice it.
 pub(crate) fn effects(root: &Path) -> Result<Vec<(Effect, String, Vec<String>)>, String> {
     let sections = facts::complete(read(root)?, &Sources::read(root)?, &mut Vec::new());
     let mut found = Vec::new();

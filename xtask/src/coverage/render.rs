@@ -1,13 +1,13 @@
-//! The document.
+//! The document as Markdown.
 
 use super::sources::Sources;
 use super::table::{Row, Section};
 use std::fmt::Write;
 
-/// Names in one cell at most: more of them are counted.
+/// Largest number of names in one cell: further names are only counted.
 const NAMES_MAX: usize = 4;
 
-/// The document, and a line that sums it up.
+/// Renders the document, and a line that sums it up.
 pub(super) fn document(sections: &[Section], sources: &Sources) -> (String, String) {
     let mut out = String::from(
         "# What the specification asks, and what shows it\n\n\
@@ -47,7 +47,7 @@ fn table(out: &mut String, section: &Section, sources: &Sources) {
     }
 }
 
-/// A row, without what the section says of every one.
+/// Renders a row, without the section's shared code and tests.
 fn cells(section: &Section, row: &Row, sources: &Sources) -> String {
     let own = |names: &[String], shared: &[String]| -> Vec<String> {
         names.iter().filter(|name| !shared.contains(name)).cloned().collect()
@@ -57,7 +57,7 @@ fn cells(section: &Section, row: &Row, sources: &Sources) -> String {
     format!("| {} | {} | {code} | {tests} |", row.key, row.says)
 }
 
-/// Code, and tests with vectors, as links.
+/// Renders code, and tests with vectors, as links.
 fn evidence(code: &[String], tests: &[String], vectors: &[String], sources: &Sources) -> [String; 2] {
     let test = |name: &String| match sources.test_file(name) {
         Some(path) => {
@@ -77,7 +77,7 @@ fn evidence(code: &[String], tests: &[String], vectors: &[String], sources: &Sou
     [code, shown]
 }
 
-/// `path Item` as a link that shows the item.
+/// Renders `path Item` as a link with the item as its text.
 fn linked(item: &str) -> String {
     let (path, name) = item.split_once(' ').unwrap_or((item, item));
     let file = path.rsplit('/').next().unwrap_or(path);
@@ -98,7 +98,7 @@ fn listed(names: impl Iterator<Item = String>) -> String {
     out
 }
 
-/// As code hosts make them of titles.
+/// Anchor that code hosts make of a title.
 fn anchor(title: &str) -> String {
     let kept =
         title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -".contains(*c)).collect::<String>();

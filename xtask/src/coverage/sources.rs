@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Every Rust file by its path from the root, and the conformance vectors.
+/// Text of every Rust file by its path from the root, and the conformance vectors.
 #[derive(Debug)]
 pub(super) struct Sources {
     files: BTreeMap<String, String>,
-    /// Text of each scenario beside it, for the parameters it names.
+    /// Scenarios of the vectors; their texts stand beside them, for the parameters that they name.
     pub(super) vectors: Vec<Scenario>,
     texts: BTreeMap<String, String>,
-    /// The same of the scenarios of nodes.
+    /// Texts of the scenarios of nodes.
     transcripts: BTreeMap<String, String>,
 }
 
@@ -29,23 +29,23 @@ impl Sources {
         Ok(Self { files, vectors, texts, transcripts })
     }
 
-    /// Whether there is such a vector, of a drive or of a node.
+    /// Returns whether a vector of this name exists, of a drive or of a node.
     pub(super) fn has_vector(&self, name: &str) -> bool {
         self.texts.contains_key(name) || self.transcripts.contains_key(name)
     }
 
-    /// The folder of a vector under `tests`.
+    /// Folder of a vector under `tests`.
     pub(super) fn vector_folder(&self, name: &str) -> &'static str {
         if self.transcripts.contains_key(name) { "vectors/transcripts" } else { "vectors" }
     }
 
-    /// Vectors of nodes that name an identifier: the master sends it, or somebody else must.
+    /// Transcripts that contain an identifier: it is sent by the master, or expected of another node.
     pub(super) fn transcripts_with(&self, identifier: &str) -> Vec<String> {
         let named = self.transcripts.iter().filter(|(_, text)| text.contains(identifier));
         named.map(|(name, _)| name.clone()).collect()
     }
 
-    /// Whether `path Item` or `path Type::member` is defined there, or `path number::NAME` used.
+    /// Returns whether `path Item` or `path Type::member` is defined there, or `path number::NAME` used.
     pub(super) fn has_item(&self, reference: &str) -> bool {
         let Some((path, item)) = reference.split_once(' ') else { return false };
         let Some(text) = self.files.get(path) else { return false };
@@ -55,7 +55,7 @@ impl Sources {
         item.split("::").all(|name| text.lines().any(|line| defines(line, name)))
     }
 
-    /// Whether `suite::name` is a test: in the folder of that name under `tests`, or of a package.
+    /// Returns whether `suite::name` is a test: in the folder of that name under `tests`, or of a package.
     pub(super) fn has_test(&self, reference: &str) -> bool {
         self.test_file(reference).is_some()
     }
@@ -83,7 +83,7 @@ impl Sources {
         line.strip_prefix("pub const ")?.strip_suffix(&end)
     }
 
-    /// Files of the core, the dictionary's own aside, that read a parameter.
+    /// Files of the core that read a parameter, except the dictionary's own.
     pub(super) fn users(&self, constant: &str) -> Vec<String> {
         let reference = format!("number::{constant}");
         let core = self
@@ -93,7 +93,7 @@ impl Sources {
         core.filter(|(_, text)| mentions(text, &reference)).map(|(path, _)| path.clone()).collect()
     }
 
-    /// Tests that name a parameter; those of the dictionary's own table show no behaviour and do not count.
+    /// Tests that name a parameter. Those of the dictionary's own table show no behaviour and do not count.
     pub(super) fn tests_of(&self, constant: &str) -> Vec<String> {
         let reference = format!("number::{constant}");
         let mut found = Vec::new();
@@ -101,7 +101,7 @@ impl Sources {
             let Some(suite) = path.strip_prefix("tests/").and_then(|rest| rest.split('/').next()) else {
                 continue;
             };
-            // A test that walks a table of the file names what the table names.
+            // A test that iterates over a table of its file names everything that the table names.
             let tables: Vec<&str> =
                 tables(text).filter(|(_, body)| mentions(body, &reference)).map(|t| t.0).collect();
             let named = tests(text).into_iter().filter(|(_, body)| {
@@ -143,7 +143,7 @@ fn collect(root: &Path, directory: &Path, files: &mut BTreeMap<String, String>) 
     Ok(())
 }
 
-/// Whether a line begins the definition of `name`: an item, a member, a variant or a field.
+/// Returns whether a line begins the definition of `name`: an item, a member, a variant or a field.
 fn defines(line: &str, name: &str) -> bool {
     let code = line.trim_start();
     if code.starts_with("//") {
@@ -165,7 +165,7 @@ fn defines(line: &str, name: &str) -> bool {
     item || member || code.starts_with("impl")
 }
 
-/// Whether `reference` stands in the text as a whole word.
+/// Returns whether the text contains `reference` as a whole word.
 fn mentions(text: &str, reference: &str) -> bool {
     text.match_indices(reference).any(|(at, _)| is_word(text, at, reference.len()))
 }
@@ -175,7 +175,8 @@ fn is_word(text: &str, at: usize, length: usize) -> bool {
     !text[..at].chars().next_back().is_some_and(part) && !text[at + length..].chars().next().is_some_and(part)
 }
 
-/// The tests of a file: name and body, which ends at the closing brace as far left as the function's own line.
+/// Tests of a file: name and body. A body ends at the closing brace with the indentation of the function's
+/// own line.
 fn tests(text: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for part in text.split("#[test]").skip(1) {
@@ -188,7 +189,7 @@ fn tests(text: &str) -> Vec<(String, String)> {
     found
 }
 
-/// The constants of a file that are tables: name and body.
+/// Constants of a file that are tables: name and body.
 fn tables(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split("\nconst ").skip(1).filter_map(|part| {
         let (name, rest) = part.split_once(": [")?;

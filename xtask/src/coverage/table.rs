@@ -1,13 +1,13 @@
-//! The rows, as `tests/coverage.toml` gives them and as the code completes them.
+//! Rows, as `tests/coverage.toml` gives them and as the code completes them.
 
 use super::sources::Sources;
 use serde::Deserialize;
 
-/// The file.
+/// Content of the file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Table {
-    /// In the order of the document.
+    /// Sections in the order of the document.
     pub(super) section: Vec<Section>,
 }
 
@@ -16,10 +16,10 @@ pub(super) struct Table {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Section {
     pub(super) title: String,
-    /// A line or two under the title.
+    /// Text under the title: a line or two.
     #[serde(default)]
     pub(super) about: String,
-    /// Which rows the code lists.
+    /// Source in the code that lists the rows.
     #[serde(default)]
     pub(super) facts: Facts,
     /// Code and tests of every row.
@@ -31,11 +31,11 @@ pub(crate) struct Section {
     pub(super) rows: Vec<Row>,
 }
 
-/// Rows that the code lists itself.
+/// Source in the code that lists the rows of a section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Facts {
-    /// None: all rows stand in the file.
+    /// None: the file has all rows.
     #[default]
     None,
     /// Table 7.
@@ -54,7 +54,7 @@ pub(super) enum Facts {
     Objects,
 }
 
-/// A row of it.
+/// A row of a section.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Row {
@@ -67,23 +67,23 @@ pub(crate) struct Row {
     pub(super) tests: Vec<String>,
     #[serde(default)]
     pub(super) vectors: Vec<String>,
-    /// Why there is no effect of it that a test could miss.
+    /// Reason why the row has no effect that a test could miss.
     #[serde(default)]
     pub(super) stays: String,
-    /// Tests that name the row's item. Those count that notice its effect.
+    /// Tests that name the row's item. Those that notice its effect count.
     #[serde(skip)]
     pub(super) mentions: Vec<String>,
 }
 
 impl Row {
-    /// Whether it has code, and something that shows it.
+    /// Returns whether the row has code, and a test or vector that shows it.
     fn is_shown(&self) -> bool {
         !(self.code.is_empty() || self.tests.is_empty() && self.vectors.is_empty())
     }
 }
 
 impl Section {
-    /// Everything that is named exists, and no row is without evidence.
+    /// Checks that everything that is named exists, and that every row has evidence.
     pub(super) fn check(&self, sources: &Sources, wrong: &mut Vec<String>) {
         for row in &self.rows {
             let mut miss =

@@ -1,4 +1,5 @@
-//! The TX-Drivers of a demonstration: configured, started and read over the bus by their masters, as an engineer's program would.
+//! TX-Drivers of a demonstration: their masters configure, start and read them over the bus, as an engineer's
+//! program would.
 
 use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{Channels, Layout, NmtCommand, NodeId};
@@ -16,17 +17,17 @@ const LAYOUT: Layout = Layout { channels: Channels::Single, encoder: false };
 const RANGE: f64 = 2.0;
 /// Index of the edge frequency of 1 kHz (Table 9).
 const FILTER_1_KHZ: u32 = 3;
-/// Update time of half of the bus (section 3.3.2).
+/// Update time with which the drivers take half of the bus (section 3.3.2).
 const HALF_LOAD: u32 = 65_535;
-/// Frames in the host's queue at most: what the drive's master sends shall not wait behind more.
+/// Largest number of frames in the host's queue: frames of the drive's master shall not wait behind more.
 const IN_CONTROLLER: usize = 2;
-/// Drivers whose figures are told one by one.
+/// Number of drivers whose figures are printed one by one.
 const TOLD: usize = 8;
 
-/// All of them.
+/// All TX-Drivers of a demonstration.
 pub(super) struct Displacement {
     stations: Vec<Station>,
-    /// One row per tick: the last position of each, not a number before its first one.
+    /// One row per tick: the last position of each driver, NaN before its first one.
     trace: Trace,
 }
 
@@ -39,25 +40,25 @@ struct Station {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Progress {
-    /// Its boot-up message has not come.
+    /// Its boot-up message has not arrived.
     Unheard,
     /// Writes are under way.
     Configuring(usize),
     Started,
 }
 
-/// A position that came over the bus.
+/// A position that was received over the bus.
 #[derive(Clone, Copy)]
 struct Sample {
     time_ns: u64,
-    /// Where the shaft was, revolutions.
+    /// Position of the shaft at that time, revolutions.
     turns: f64,
     millimetres: f64,
 }
 
 impl Displacement {
-    /// Powers up `count` drivers with the node-ids 1 to `count`: in turn one that looks at the shaft's surface, each a quarter further around, and one that
-    /// looks at the disc on its end.
+    /// Powers up `count` drivers with the node-ids 1 to `count`. They alternate: one watches the shaft's
+    /// surface, each a quarter further around, the next the disc on its end.
     pub(super) fn new(bench: &mut Bench, count: u8) -> Result<Self, AddError> {
         let nodes = (1..=count).filter_map(NodeId::new);
         let mut stations = Vec::new();
@@ -73,13 +74,13 @@ impl Displacement {
             stations.push(Station { node, master, progress: Progress::Unheard, samples: Vec::new() });
         }
         let signals: Vec<Signal> = (1..=count)
-            // As long as the program runs.
+            // Leaked: the names are needed as long as the program runs.
             .map(|node| Signal::single(format!("displacement_{node}").leak(), "mm"))
             .collect();
         Ok(Self { stations, trace: Trace::new(&signals) })
     }
 
-    /// Before a tick: what the masters send.
+    /// Sends the frames of the masters; called before a tick.
     pub(super) fn send(&mut self, bench: &mut Bench) {
         let count = self.stations.len() as u32;
         for station in &mut self.stations {
@@ -87,24 +88,24 @@ impl Displacement {
             while bench.host_queued() < IN_CONTROLLER
                 && let Some(frame) = station.master.poll_frame(bench.now_ns() / 1000)
             {
-                // Room was just seen.
+                // The queue was just checked for room.
                 let _ = bench.send(frame);
             }
         }
     }
 
-    /// A frame that has passed on the bus.
+    /// Takes a frame that has passed on the bus.
     pub(super) fn hear(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
         for station in &mut self.stations {
             station.hear(frame, time_ns, bench);
         }
     }
 
-    /// After a tick.
+    /// Adds a row to the trace; called after a tick.
     pub(super) fn keep(&mut self) {
         let last = |station: &Station| station.samples.last().map_or(f64::NAN, |sample| sample.millimetres);
         let row: Vec<f64> = self.stations.iter().map(last).collect();
-        // As many values as signals.
+        // Cannot fail: there are as many values as signals.
         let _ = self.trace.push(&row);
     }
 
@@ -112,7 +113,7 @@ impl Displacement {
         &self.trace
     }
 
-    /// From `from` to `to`, s.
+    /// Figures of the time from `from` to `to`, s.
     pub(super) fn figures(&self, from: f64, to: f64) -> Figures {
         let range = (from * 1e9) as u64..(to * 1e9) as u64;
         let figure = |station: &Station| {
@@ -125,7 +126,7 @@ impl Displacement {
 }
 
 impl Station {
-    /// Configures the node when it is there, and starts it when everything is written.
+    /// Configures the node when it is present, and starts it when everything is written.
     fn advance(&mut self, count: u32) {
         match self.progress {
             Progress::Unheard if self.master.report().boots > 0 => {
@@ -135,7 +136,7 @@ impl Station {
                     (Entry::UpdateTime, HALF_LOAD),
                 ];
                 for (entry, value) in writes {
-                    // Three of eight.
+                    // Cannot fail: three requests of the eight that fit.
                     let _ = self.master.request(Request::Write(entry, value));
                 }
                 self.progress = Progress::Configuring(writes.len());
@@ -170,16 +171,16 @@ impl Station {
     }
 }
 
-/// What a test engineer reads off the displacements.
+/// Figures of the displacements for a test engineer.
 pub(super) struct Figures(Vec<Figure>);
 
 struct Figure {
     node: u8,
-    /// Positions a second.
+    /// Positions per second.
     rate: f64,
-    /// Highest less lowest, um.
+    /// Difference of highest and lowest position, um.
     peak_to_peak: f64,
-    /// Amplitude of what a revolution repeats once, um; none without a whole revolution.
+    /// Amplitude of the component that repeats once a revolution, um; none without a whole revolution.
     once: Option<f64>,
 }
 
@@ -197,7 +198,8 @@ impl Figure {
     }
 }
 
-/// Amplitude of the harmonic of order 1, mm: least squares of a + b cos(angle) + c sin(angle), whatever angles the positions came at.
+/// Amplitude of the harmonic of order 1, mm: least squares of a + b cos(angle) + c sin(angle), at any angles
+/// of the positions.
 fn once_per_revolution(samples: &[Sample]) -> Option<f64> {
     let turned = samples.last()?.turns - samples.first()?.turns;
     if turned.abs() < 1.0 {
@@ -248,8 +250,9 @@ mod tests {
     use super::super::{Arguments, Request, Run};
     use super::*;
 
-    /// The column is what the log's frames say, row by row up to the last; the drivers were configured and started over the bus; the figures are
-    /// those of the targets: 20 um cos(angle) + 5 um cos(2 angle), and 8 um cos(angle).
+    /// The column has the positions of the log's frames, row by row up to the last. The drivers were
+    /// configured and started over the bus. The figures match the targets: 20 um cos(angle) + 5 um cos(2
+    /// angle), and 8 um cos(angle).
     #[test]
     fn columns_are_what_the_frames_say() {
         let words = ["--mode", "hall", "--rpm", "2000", "--tx-drivers", "2", "--seconds", "2"];
@@ -265,7 +268,8 @@ mod tests {
         assert_eq!(displacement.trace().len(), run.session.bench().trace().len());
         for (node, column) in (1..).zip(displacement.trace().columns()) {
             let name = format!(" can0 18{node}#");
-            // Time and position of each frame; a row is the last that had come when its tick ended.
+            // Time and position of each frame; a row has the last position that had arrived when its tick
+            // ended.
             let mut frames = run.log.lines().filter_map(|line| {
                 let (time, data) = line.strip_prefix('(')?.split_once(&name)?;
                 let raw = u32::from_str_radix(data, 16).unwrap().swap_bytes() as i32;
@@ -307,7 +311,8 @@ mod tests {
         (0..count).map(at).collect()
     }
 
-    /// A known amplitude beside a mean: in either direction, with few positions at odd angles, and beside a second harmonic over many revolutions.
+    /// A known amplitude beside a mean is found: in either direction, with few positions at odd angles, and
+    /// beside a second harmonic over many revolutions.
     #[test]
     fn the_amplitude_of_one_harmonic() {
         for (count, turns_each, second, tolerance) in [

@@ -1,4 +1,4 @@
-//! The figures that a run reached.
+//! Figures that a run reached.
 
 use super::START;
 use super::request::Request;
@@ -10,7 +10,7 @@ use narx_sim::plant::{Ledger, Observation};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// A moment to measure from.
+/// An observation from which the measurement begins.
 pub(super) struct Mark(Observation);
 
 impl Mark {
@@ -19,21 +19,22 @@ impl Mark {
     }
 }
 
-/// What a test engineer reads off a run.
+/// Figures of a run for a test engineer.
 pub(super) struct Figures {
     target: f64,
     state: State,
-    /// From the Drive request to closed loop, s.
+    /// Time from the Drive request to closed loop, s.
     closed: Option<f64>,
-    /// Standard deviation of the commutations' true places over the last quarter, share of a step; none in open loop.
+    /// Standard deviation of the commutations' true positions over the last quarter, share of a step; none in
+    /// open loop.
     jitter: Option<f64>,
-    /// From the Drive request to 90 % of the set-point, s.
+    /// Time from the Drive request to 90 % of the set-point, s.
     rise: Option<f64>,
-    /// Beyond the set-point, share of it.
+    /// Overshoot, share of the set-point.
     overshoot: f64,
     /// Mean speed over the last quarter, rpm.
     mean: f64,
-    /// Highest less lowest speed there, share of the set-point.
+    /// Difference of highest and lowest speed over the last quarter, share of the set-point.
     ripple: f64,
     peak_current: f64,
     bus: (f64, f64),
@@ -86,12 +87,13 @@ impl Figures {
         .for_mode(request.mode)
     }
 
-    /// In open loop the rotor swings about the field; overshoot, rise and jitter are not the controller's.
+    /// Removes figures that do not apply: in open loop the rotor swings about the field, and overshoot, rise
+    /// and jitter are not the controller's.
     fn for_mode(self, mode: Mode) -> Self {
         if mode == Mode::OpenLoop { Self { rise: None, jitter: None, ..self } } else { self }
     }
 
-    /// It still runs at the end.
+    /// Returns whether the motor still runs at the end.
     pub(super) const fn running(&self) -> bool {
         self.state.is_driving()
     }

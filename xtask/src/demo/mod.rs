@@ -1,4 +1,5 @@
-//! The main job: a real data-sheet motor on the virtual drive, commanded over CAN from power-up to its speed.
+//! The demonstration: a real data-sheet motor on the virtual drive, commanded over CAN from power-up to its
+//! speed.
 
 mod displacement;
 mod figures;
@@ -24,7 +25,7 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Runs the demonstration; exit code 2 and one line for arguments that cannot be.
+/// Runs the demonstration; invalid arguments give exit code 2 and one line.
 pub fn run(arguments: &Arguments) -> ExitCode {
     let request = match Request::new(arguments) {
         Ok(request) => request,
@@ -43,10 +44,10 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// The session of a demonstration and its speed, rpm: what `cargo xtask demo` with these arguments runs.
+/// Session and speed, rpm, that `cargo xtask demo` runs with these arguments.
 ///
 /// # Errors
-/// Arguments that cannot be, in one line.
+/// Fails with one line about invalid arguments.
 pub fn session(arguments: &[&str]) -> Result<(SessionConfig, i32), String> {
     let arguments = Arguments::read(arguments).map_err(|error| error.to_string())?;
     let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
@@ -71,10 +72,10 @@ pub fn picture(arguments: &[&str]) -> Result<String, String> {
     plot::svg(&session.bench().trace(), None, &caption).map_err(|error| error.to_string())
 }
 
-/// When the master asks for Drive, s: after boot (0.5 s) and two of its periods of Standby.
+/// Time at which the master requests Drive, s: after boot (0.5 s) and two of its periods of Standby.
 const START: f64 = 0.6;
 
-/// True when the motor still ran at the end and the recording replays.
+/// Runs the demonstration; returns true if the motor still ran at the end and the recording replays.
 fn demonstrate(request: &Request) -> io::Result<bool> {
     println!("{}", request.headline());
     for note in &request.commissioning.notes {
@@ -98,16 +99,16 @@ fn demonstrate(request: &Request) -> io::Result<bool> {
     Ok(figures.running() && identical.0)
 }
 
-/// A session, and what is told and kept of it.
+/// A session with its log and the observations of the run.
 struct Run<'a> {
     request: &'a Request,
     session: Session,
     state: Option<State>,
     faults: u32,
     log: String,
-    /// Energies when the last quarter began.
+    /// Energies at the beginning of the last quarter.
     steady_from: Option<figures::Mark>,
-    /// When closed loop began, s.
+    /// Time at which closed loop began, s.
     closed: Option<f64>,
     commutations: Commutations,
     displacement: Option<Displacement>,
@@ -158,7 +159,7 @@ impl<'a> Run<'a> {
         self.tell();
     }
 
-    /// A line for every change of state and every new fault.
+    /// Prints a line for every change of state and every new fault.
     fn tell(&mut self) {
         let bench = self.session.bench();
         let status = bench.status();
@@ -203,7 +204,7 @@ fn write_csv(path: &Path, traces: &[&Trace]) -> io::Result<()> {
     out.flush()
 }
 
-/// Whether the recording replays to the digest it carries, and a line that says so.
+/// Returns whether the recording replays to the digest in it, and a line with the result.
 fn replays(bytes: &[u8]) -> (bool, String) {
     let outcome = Recording::open(bytes)
         .map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! What was asked for, checked before anything runs or is written.
+//! The request, checked before anything runs or is written.
 
 use crate::setup::{self, Refused, Setup, number};
 use clap::{Args, Command, FromArgMatches};
@@ -9,46 +9,47 @@ use std::path::PathBuf;
 /// Arguments of `demo`, as typed.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// What stands on the bench
+    /// Motor, mode, supply and load of the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
     /// Mechanical speed, rpm; negative is Reverse [default: the middle of the motor's range]
     #[arg(long, allow_hyphen_values = true)]
     pub rpm: Option<String>,
-    /// How many TX-Drivers measure the shaft on the drive's bus, 1 to 127, with the node-ids 1 to N; `drive` takes a list of node-ids instead
+    /// Number of TX-Drivers that measure the shaft on the drive's bus, 1 to 127, with the node-ids 1 to N;
+    /// `drive` takes a list of node-ids instead
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub tx_drivers: Option<String>,
     /// Simulated time from power-up, s
     #[arg(long, allow_hyphen_values = true, default_value = "3")]
     pub seconds: String,
-    /// Where run.svg, run.csv, run.log and run.narxrec go
+    /// Folder for run.svg, run.csv, run.log and run.narxrec
     #[arg(long, default_value = "target/demo")]
     pub out: PathBuf,
 }
 
 impl Arguments {
-    /// As if typed behind `demo`.
+    /// Parses words as if typed after `demo`.
     pub(super) fn read(words: &[&str]) -> Result<Self, clap::Error> {
         let command = Self::augment_args(Command::new("demo").no_binary_name(true));
         Self::from_arg_matches(&command.try_get_matches_from(words)?)
     }
 }
 
-/// A run that can be.
+/// A checked request.
 #[derive(Debug)]
 pub(super) struct Request {
     setup: Setup,
     pub(super) mode: Mode,
     pub(super) rpm: i32,
     pub(super) seconds: f64,
-    /// Node-ids 1 to so many.
+    /// Number of TX-Drivers, with node-ids from 1.
     pub(super) tx_drivers: u8,
     pub(super) out: PathBuf,
     pub(super) commissioning: Commissioning,
     pub(super) session: SessionConfig,
 }
 
-/// Boot, start and a steady quarter need about this long, s.
+/// Shortest and longest run, s: boot, start and a steady last quarter need about 1 s.
 const SECONDS: (f64, f64) = (1.0, 60.0);
 
 impl Request {
@@ -70,7 +71,7 @@ impl Request {
         Ok(request)
     }
 
-    /// When the last quarter begins, over which steady figures are taken, s.
+    /// Time at which the last quarter begins, over which steady figures are taken, s.
     pub(super) fn steady_start(&self) -> f64 {
         self.seconds * 0.75
     }
@@ -96,7 +97,8 @@ fn tx_drivers(text: &str) -> Result<u8, Refused> {
     })
 }
 
-/// Open loop turns a field: as slow as one likes, and no faster than twice the slowest closed-loop speed.
+/// Checks the speed. Open loop turns a field: it may be as slow as 10 rpm, but no faster than twice the
+/// slowest closed-loop speed.
 fn speed(text: Option<&str>, mode: Mode, range: &Commissioning) -> Result<i32, Refused> {
     let (min, max) = match mode {
         Mode::OpenLoop => (10.0, (2.0 * range.speed_min).min(range.speed_max)),

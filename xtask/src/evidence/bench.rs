@@ -1,4 +1,5 @@
-//! The figures of `cargo xtask bench`, in three sections: what is promised of control, what a tick costs, how fast the tools are.
+//! Figures of `cargo xtask bench`, in three sections: promises of control, cost of a tick, speed of the
+//! tools.
 
 use super::missed::Missed;
 use super::{FIGURES, Section, cell};
@@ -6,13 +7,13 @@ use crate::figures::{Part, Report, value};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The parts of each section.
+/// Parts of each section.
 const CONTROL: [&str; 8] =
     ["start", "soon", "steady", "load-step", "top-speed", "range", "efficiency", "faults"];
 const COST: [&str; 3] = ["instructions", "flash", "callgrind"];
 const SPEED: [&str; 6] = ["simulation", "sweep", "python", "logs", "scope", "page"];
 
-/// Promises of control.
+/// Section with the promises of control.
 pub(super) fn control(root: &Path) -> Result<Section, String> {
     let head = "Sensorless starts of random plants around the motors of the market (inertia x 0.2 to 5, Coulomb friction x 0 to 3, resistance x 0.9 to 1.65, \
 back-EMF x 0.8 to 1.05, 18 to 60 V, any load up to 30 % of rated torque, any angle, friction and load up to half of the lock's torque), and every motor at its operating points, commissioned from its data sheet alone. A start that fails is listed \
@@ -21,7 +22,7 @@ in `docs/evidence/bench.json` with the command that repeats it.\n\n";
     section(root, "Promises of control", head, &CONTROL, tail)
 }
 
-/// Instructions and memory.
+/// Section with instructions and memory.
 pub(super) fn cost(root: &Path) -> Result<Section, String> {
     let head = "Instructions on an emulated Cortex-M4F are exact and the same on every run; wait states of a flash and stalls of a pipeline are not in them. *The floor* is a bare six-step tick by hand in C, of which nothing more can be left out without it \
 ceasing to be a drive: samples in millivolts, hall code or zero crossing, speed over six sectors, a speed PI and a current limit, over- and under-voltage, over-current and stall, duty by the live bus with a slew limit. It lacks nearly everything else: both \
@@ -31,7 +32,7 @@ and nothing else: angle and currents come ready, no speed loop, no limits, no pr
     section(root, "What it costs", head, &COST, "")
 }
 
-/// Rates.
+/// Section with the rates.
 pub(super) fn speed(root: &Path) -> Result<Section, String> {
     let report = read(root)?;
     let head = format!(
@@ -86,7 +87,7 @@ fn rows(text: &mut String, part: &Part, missed: &mut Missed) {
     figures(text, part, missed);
 }
 
-/// A row for each figure of a part.
+/// Writes a row for each figure of a part.
 pub(super) fn figures(text: &mut String, part: &Part, missed: &mut Missed) {
     for figure in &part.figures {
         let goal = figure.goal.map_or_else(String::new, |goal| goal.to_string());
@@ -112,7 +113,7 @@ pub(super) fn figures(text: &mut String, part: &Part, missed: &mut Missed) {
 mod tests {
     use super::*;
 
-    /// A part that is measured is on the page, once.
+    /// Every measured part is on the page exactly once.
     #[test]
     fn every_part_of_the_bench_has_its_section() {
         let on_page: Vec<&str> = [CONTROL.as_slice(), &COST, &SPEED].concat();

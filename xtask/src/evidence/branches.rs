@@ -14,10 +14,10 @@ Every condition of the core has two ways out. These are the ways that the Rust t
 
 ";
 
-/// File of the core, and why it has branches that no test takes.
+/// Reasons by file of the core: why it has branches that no test takes.
 type Why = BTreeMap<String, String>;
 
-/// A line for each room of the core, then the gaps.
+/// Section with a line for each folder of the core, then the gaps.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let text = match read::<Branches>(root, "branches.json")? {
         Some(branches) => {
@@ -65,13 +65,13 @@ fn table(branches: &Branches, why: &Why) -> Result<String, String> {
 }
 
 fn row(text: &mut String, name: &str, files: u64, File { branches, covered }: File) {
-    // A room without conditions has nothing to miss.
+    // A folder without conditions has no branch to miss.
     let share = if branches == 0 { 100.0 } else { 100.0 * covered as f64 / branches as f64 };
     // Writing to a string cannot fail.
     let _ = writeln!(text, "| {name} | {files} | {branches} | {covered} | {share:.1} % |");
 }
 
-/// The folder below `core/src` that a file belongs to: that of its own name for `motor.rs` beside `motor/`.
+/// Folder below `core/src` to which a file belongs: `motor.rs` beside `motor/` belongs to that folder.
 fn room(name: &str) -> &str {
     name.split('/').next().unwrap_or(name).trim_end_matches(".rs")
 }

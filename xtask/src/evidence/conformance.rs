@@ -1,4 +1,4 @@
-//! The same bits on every target: `cargo xtask conformance`.
+//! Equality of the bits on every target: `cargo xtask conformance`.
 
 use super::{Section, read};
 use crate::parity::{Conformance, Counts};
@@ -14,7 +14,7 @@ scenarios of `tests/vectors`; those *of both nodes*, in `tests/vectors/transcrip
 
 ";
 
-/// The table, and what its recordings lead the drive through.
+/// Section with the table, and the states, transitions, faults and events in its recordings.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let text = match read::<Conformance>(root, "conformance.json")? {
         Some(conformance) => table(&conformance),
@@ -60,7 +60,7 @@ fn table(conformance: &Conformance) -> String {
     text
 }
 
-/// What is there, with its count.
+/// Lists the items that occur, with their counts.
 fn list(counts: &Counts) -> String {
     let there = counts.iter().filter(|(_, count)| **count > 0);
     there.map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")

@@ -1,4 +1,4 @@
-//! What fuzzing came to: `cargo xtask fuzz`.
+//! Results of fuzzing: `cargo xtask fuzz`.
 
 use super::{FIGURES, Section, cell};
 use crate::fuzz::report::{Report, Row, Sweep};
@@ -11,7 +11,7 @@ that is powered up again and again. Seconds are the clock's: how many executions
 
 ";
 
-/// The table, and every identifier.
+/// Section with the table, and the run with every identifier.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let report = Report::read(&root.join(FIGURES).join("fuzz.json"))?.unwrap_or_default();
     let names = crate::fuzz::targets(root).unwrap_or_default();

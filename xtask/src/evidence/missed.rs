@@ -1,4 +1,5 @@
-//! Why goals are missed: `docs/evidence/missed.toml`. A missed goal without a reason makes no page, and neither does a reason for what is not missed.
+//! Reasons for missed goals: `docs/evidence/missed.toml`. The page is not made if a missed goal has no
+//! reason, or if a reason belongs to a goal that is not missed.
 
 use super::FIGURES;
 use std::collections::BTreeMap;
@@ -6,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// Name of a figure, and why it misses its goal.
+/// Reasons by name of the figure that misses its goal.
 type Why = BTreeMap<String, String>;
 
 /// Reads the reasons.
@@ -16,7 +17,7 @@ fn read(root: &Path) -> Result<Why, String> {
     toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// What of one table was missed: gathered, then explained.
+/// Missed figures of one table: collected, then explained.
 #[derive(Default)]
 pub(super) struct Missed(Vec<String>);
 
@@ -28,7 +29,8 @@ impl Missed {
         }
     }
 
-    /// A line for each, nothing without any. `of` says whose names belong to this table.
+    /// Returns a line for each missed figure, nothing if there is none. `of` selects the names that belong to
+    /// this table.
     pub(super) fn explain(&self, root: &Path, of: impl Fn(&str) -> bool) -> Result<String, String> {
         explain(&self.0, &read(root)?, of)
     }

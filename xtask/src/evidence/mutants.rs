@@ -1,4 +1,5 @@
-//! Mutation testing: `cargo xtask mutants`, and why some mutants live (`docs/evidence/survivors.toml`).
+//! Mutation testing: `cargo xtask mutants`, and the reasons why some mutants survive
+//! (`docs/evidence/survivors.toml`).
 
 use super::{FIGURES, Section, cell};
 use crate::mutants::{Mutant, Report, areas};
@@ -15,19 +16,19 @@ explained here; without an explanation a survivor is open. Each is run against t
 
 ";
 
-/// What is known of survivors.
+/// Content of the file of survivors.
 #[derive(Deserialize)]
 struct Survivors {
     #[serde(default)]
     survivor: Vec<Survivor>,
 }
 
-/// One, or several that have the same name.
+/// A survivor, or several that have the same name.
 #[derive(Clone, Deserialize)]
 struct Survivor {
     #[serde(flatten)]
     mutant: Mutant,
-    /// So many places in the function.
+    /// Number of such places in the function.
     #[serde(default = "one")]
     times: usize,
     reason: String,
@@ -37,7 +38,7 @@ const fn one() -> usize {
     1
 }
 
-/// The figures.
+/// Section with the figures.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let folder = root.join(FIGURES);
     let report = Report::read(&folder.join("mutants.json"))
@@ -142,7 +143,7 @@ mod tests {
         assert!(text.ends_with(":\n\n* `a.rs`, `g`, *replace < with <=*: equal\n"), "{text}");
     }
 
-    /// An explanation is of all that have this name, or of none.
+    /// An explanation applies to all mutants of a name, or to none.
     #[test]
     fn a_reason_without_its_survivors_is_an_error() {
         for (missed, times) in [(&["f"][..], 1), (&["g", "g"], 1), (&["g"], 2)] {

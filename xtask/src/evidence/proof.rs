@@ -1,11 +1,12 @@
-//! What is shown of the linked programs and not by running them often: `cargo xtask proof`, and what watches memory.
+//! Properties of the linked programs that are shown without many runs: `cargo xtask proof`, and the tools
+//! that watch memory.
 
 use super::Section;
 use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
-/// What [`crate::proof`] writes, as far as the page shows it.
+/// Results of [`crate::proof`] that the page shows.
 #[derive(Deserialize)]
 struct Golden {
     tick: Tick,
@@ -43,7 +44,7 @@ struct Files {
     files: Vec<String>,
 }
 
-/// The table.
+/// Section with the table.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let path = root.join(crate::proof::GOLDEN);
     let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;

@@ -16,7 +16,7 @@ are judged apart, not left out.
 
 ";
 
-/// The table.
+/// Section with the table.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let path = root.join(FIGURES).join("quality.json");
     let quality = Quality::read(&path).map_err(|error| format!("{error}: cargo xtask quality"))?;
@@ -38,7 +38,7 @@ pub(super) fn section(root: &Path) -> Result<Section, String> {
                 "| {of} | {mode} | {metric}, {unit} | {runs} | {median:.2} | {p95:.2} | {p99:.2} | {worst:.2} | <= {most} | {outside} |"
             );
         }
-        // Nobody promises what physics does not leave, nor points that limits forbid.
+        // Points that physics does not allow, or that limits forbid, are not promised.
         let promised = !of.ends_with("unseen") && row.is_promise();
         if promised && *outside > 0 {
             missed.add(&name(row));

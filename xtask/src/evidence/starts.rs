@@ -22,7 +22,7 @@ the ramp's durations were made for. So half is promised, and the starts end some
 
 ";
 
-/// The figures.
+/// Section with the figures.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let path = root.join(FIGURES).join("starts.json");
     let certificate =
@@ -40,7 +40,7 @@ pub(super) fn section(root: &Path) -> Result<Section, String> {
         "| friction and load, of the lock's torque | starts | succeed | |\n|---|---:|---:|---|"
     );
     let mut from = 0.0;
-    // Where nothing was tried there is nothing to say.
+    // A class without starts has no row.
     for (to, tried, started) in certificate.breakaway.iter().filter(|(_, tried, _)| *tried > 0) {
         let share = 100.0 * *started as f64 / (*tried).max(1) as f64;
         let promise = if *to <= BREAKAWAY_MAX { "promised" } else { "" };

@@ -1,4 +1,4 @@
-//! When everything goes wrong at once: `cargo xtask worlds`.
+//! Many faults at once: `cargo xtask worlds`.
 
 use super::{Section, cell, read};
 use crate::parity::Counts;
@@ -14,7 +14,7 @@ simulated physics. Then everything is mended, and the drive has to answer, to ta
 
 ";
 
-/// Invariants, and what they were tried with.
+/// Section with the invariants, and the conditions under which they were tried.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let text = match read::<Total>(root, "worlds.json")? {
         Some(total) => table(&total),

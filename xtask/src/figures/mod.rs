@@ -1,5 +1,5 @@
-//! Figures that were measured: each with its unit, its goal where there is one, and the command that measures it again. One kind of row for every table
-//! and every page.
+//! Measured figures: each with its unit, its goal if there is one, and the command that measures it again.
+//! Every table and every page uses this kind of row.
 
 mod table;
 
@@ -13,18 +13,18 @@ use std::process::Command;
 use std::str::FromStr;
 use std::{fs, io};
 
-/// What a figure must keep.
+/// Bound that a figure must keep.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum Goal {
-    /// This or more.
+    /// The figure must be at least this.
     AtLeast(f64),
-    /// This or less.
+    /// The figure must be at most this.
     AtMost(f64),
 }
 
 impl Goal {
-    /// Whether a figure keeps it.
+    /// Returns whether a figure keeps the bound.
     pub fn is_met(self, figure: f64) -> bool {
         match self {
             Self::AtLeast(bound) => figure >= bound,
@@ -71,107 +71,108 @@ impl TryFrom<String> for Goal {
     }
 }
 
-/// One figure.
+/// A measured figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
-    /// What it is of.
+    /// Name of the measured quantity.
     pub name: String,
-    /// The figure; JSON knows no infinity, and what was not reached is null.
+    /// Value of the figure. JSON has no infinity: a figure that was not reached is null.
     pub figure: Option<f64>,
     /// Its unit; empty for a ratio or a count.
     pub unit: String,
-    /// What is promised of it.
+    /// Promise about the figure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<Goal>,
-    /// Of how many, beside what, by whom.
+    /// Further words: number of samples, comparison, source.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
 }
 
 impl Figure {
-    /// A figure without goal.
+    /// Builds a figure without goal.
     pub fn new(name: impl Into<String>, figure: f64, unit: &str) -> Self {
         let figure = figure.is_finite().then(|| rounded(figure));
         Self { name: name.into(), figure, unit: unit.into(), goal: None, note: String::new() }
     }
 
-    /// With a lower bound.
+    /// Adds a lower bound.
     pub fn at_least(self, bound: f64) -> Self {
         Self { goal: Some(Goal::AtLeast(bound)), ..self }
     }
 
-    /// With an upper bound.
+    /// Adds an upper bound.
     pub fn at_most(self, bound: f64) -> Self {
         Self { goal: Some(Goal::AtMost(bound)), ..self }
     }
 
-    /// With words.
+    /// Adds a note.
     pub fn note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
     }
 
-    /// Without a goal there is nothing to miss; a figure that was not reached misses its goal.
+    /// Returns whether the goal is met. A figure without goal always meets it; a figure that was not reached
+    /// misses its goal.
     pub fn is_met(&self) -> bool {
         self.goal.is_none_or(|goal| self.figure.is_some_and(|figure| goal.is_met(figure)))
     }
 }
 
-/// Six digits: more of a measurement would only make noise where it is committed.
+/// Rounds to six digits: more would only make noise in the committed file.
 fn rounded(figure: f64) -> f64 {
     format!("{figure:.5e}").parse().unwrap_or(figure)
 }
 
-/// What was measured together, by one command.
+/// Figures that one command measures together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// Its name, as the command takes it.
+    /// Name of the part, as the command takes it.
     pub part: String,
-    /// What measures it again.
+    /// Command that measures it again.
     pub command: String,
-    /// Why it was not measured.
+    /// Reason why it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
-    /// What it came to.
+    /// Figures of the part.
     pub figures: Vec<Figure>,
-    /// What missed a goal, each with what repeats it alone where that can be.
+    /// Misses of a goal, each with the command that repeats it alone where there is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failures: Vec<String>,
 }
 
 impl Part {
-    /// Figures, and what failed.
+    /// Builds a part of figures and failures.
     pub fn new(figures: Vec<Figure>, failures: Vec<String>) -> Self {
         Self { figures, failures, ..Self::default() }
     }
 
-    /// Nothing but a reason.
+    /// Builds a part that was not measured, with the reason.
     pub fn skipped(reason: impl Into<String>) -> Self {
         Self { skipped: Some(reason.into()), ..Self::default() }
     }
 
-    /// One of another part's figures and failures more.
+    /// Adds the figures and failures of another part.
     pub fn join(&mut self, other: Self) {
         self.figures.extend(other.figures);
         self.failures.extend(other.failures);
     }
 
-    /// Every goal is met; what was not measured misses none.
+    /// Returns whether every goal is met; a part that was not measured misses none.
     pub fn is_met(&self) -> bool {
         self.figures.iter().all(Figure::is_met)
     }
 
-    /// The figure of that name.
+    /// Returns the figure of that name.
     pub fn figure(&self, name: &str) -> Option<&Figure> {
         self.figures.iter().find(|figure| figure.name == name)
     }
 }
 
-/// Everything in one file.
+/// Report: all parts in one file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Where rates were measured: they hold for this machine only.
+    /// Machine on which rates were measured: they hold for it only.
     pub machine: String,
-    /// The parts, in the order in which they are measured.
+    /// Parts in the order in which they are measured.
     pub parts: Vec<Part>,
 }
 
@@ -179,7 +180,7 @@ impl Report {
     /// Reads a file; an empty report if there is none.
     ///
     /// # Errors
-    /// The file is not a report.
+    /// Fails if the file is not a report.
     pub fn read(path: &Path) -> Result<Self, String> {
         match fs::read_to_string(path) {
             Ok(text) => serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display())),
@@ -191,17 +192,17 @@ impl Report {
     /// Writes the file.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Fails if it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), String> {
         write(path, self)
     }
 
-    /// The part of that name.
+    /// Returns the part of that name.
     pub fn part(&self, name: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.part == name)
     }
 
-    /// Puts a part in the place of the older one, in the order of `order`.
+    /// Replaces the older version of a part; sorts the parts by `order`.
     pub fn replace(&mut self, part: Part, order: &[&str]) {
         self.parts.retain(|old| old.part != part.part && order.contains(&old.part.as_str()));
         self.parts.push(part);
@@ -219,7 +220,7 @@ pub(crate) fn write(path: &Path, value: &impl Serialize) -> Result<(), String> {
     fs::write(path, text + "\n").map_err(failed)
 }
 
-/// The processor and how many threads it has, as the system names it.
+/// Name of the processor, as the system gives it, and its number of threads.
 pub fn machine() -> String {
     let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
@@ -227,10 +228,10 @@ pub fn machine() -> String {
     format!("{model}, {} threads, {}", narx_host::parallel::threads(), std::env::consts::ARCH)
 }
 
-/// The commit that is checked out, with `-dirty` if files were changed since; of an archive nobody knows it.
+/// Commit that is checked out, with `-dirty` if files were changed since; `unknown` outside a Git repository.
 pub fn commit(root: &Path) -> String {
     let told = Command::new("git")
-        // No tags: a hash is what `git checkout` takes on every clone.
+        // Without tags: `git checkout` accepts a hash on every clone.
         .args(["describe", "--always", "--dirty", "--exclude", "*", "--abbrev=12"])
         .current_dir(root)
         .output();

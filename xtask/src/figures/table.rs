@@ -1,12 +1,12 @@
-//! The table for the eye.
+//! The table as text for a terminal.
 
 use super::{Figure, Part};
 use std::fmt::Write as _;
 
-/// Failures shown of each part; all of them are in the file.
+/// Number of failures shown of each part; all of them are in the file.
 const SHOWN: usize = 20;
 
-/// Failures of every part, then a line for each figure.
+/// Formats the failures of every part, then a line for each figure.
 pub fn table(parts: &[Part]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -49,10 +49,10 @@ pub fn table(parts: &[Part]) -> String {
     text
 }
 
-/// A figure with its unit.
+/// Formats a figure with its unit.
 pub(crate) fn value(figure: &Figure) -> String {
     let Some(value) = figure.figure else { return "none".into() };
-    // Four digits say enough of what is not a count.
+    // Four digits suffice for figures that are not counts.
     let digits = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     let number = if value.fract() == 0.0 { value.to_string() } else { format!("{value:.digits$}") };
     format!("{number} {}", figure.unit).trim_end().to_owned()

@@ -1,4 +1,5 @@
-//! Looks for inputs that break a promise: libFuzzer over the targets of `tests/fuzz`, one after the other; and every identifier to both nodes.
+//! Search for inputs that break a promise: libFuzzer over the targets of `tests/fuzz`, one after the other;
+//! and a run that gives every identifier to both nodes.
 
 pub(crate) mod report;
 mod sweep;
@@ -12,35 +13,37 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 use std::{env, fs};
 
-/// Of cargo-fuzz.
+/// Version of cargo-fuzz.
 const VERSION: &str = "0.13.2";
-/// libFuzzer is C++.
+/// Package of the C++ compiler, which libFuzzer needs.
 const COMPILER: Package = Package { name: "g++", provides: "c++" };
-/// Longest input, bytes: lives of some hundred steps.
+/// Longest input, bytes: some hundred steps of a program.
 const LENGTH_MAX: u32 = 4096;
-/// An input that takes longer is a finding, s.
+/// Longest time of an input, s; a longer one is a finding.
 const TIME_MAX: u32 = 20;
 
-/// What to look at, and for how long.
+/// Targets to fuzz, and the time for each.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Targets (files of tests/fuzz/fuzz_targets); without a name all of them
+    /// Targets to fuzz (files of tests/fuzz/fuzz_targets); without a name all of them
     targets: Vec<String>,
-    /// For each target
+    /// Time for each target
     #[arg(long, default_value_t = 60)]
     seconds: u64,
     /// Run this input of one target again instead
     #[arg(long, requires = "targets")]
     input: Option<PathBuf>,
-    /// Give both nodes every identifier with every length as data and remote frame instead: 19 thousand million frames
+    /// Give both nodes every identifier with every length as data and remote frame instead: 19 thousand
+    /// million frames
     #[arg(long, conflicts_with_all = ["targets", "input"])]
     identifiers: bool,
-    /// Where fuzz.json goes; what it holds of other code is replaced, target by target, and what it holds of the same is added to
+    /// Folder for fuzz.json; its figures of other code are replaced, target by target, and those of the same
+    /// code are added to
     #[arg(long, default_value = "target")]
     out: PathBuf,
 }
 
-/// `cargo xtask fuzz`.
+/// Runs `cargo xtask fuzz`.
 pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
     let file = arguments.out.join("fuzz.json");
     let done =
@@ -63,7 +66,7 @@ fn fuzz(root: &Path, arguments: &Arguments, file: &Path) -> Result<(), String> {
     install::debian(&[COMPILER])?;
     install::nightly(&["rustc"])?;
     install::cargo_program("cargo-fuzz", VERSION)?;
-    // Of what is built now, whatever is committed meanwhile.
+    // Commit of the code that is built now, whatever is committed meanwhile.
     let commit = report::commit(root)?;
     steps::run(cargo_fuzz(root, "build").args(if let [one] = chosen.as_slice() { Some(one) } else { None }))?;
     if let Some(input) = &arguments.input {
@@ -80,7 +83,8 @@ fn fuzz(root: &Path, arguments: &Arguments, file: &Path) -> Result<(), String> {
         let (row, finding) = one(root, name, arguments.seconds)?;
         let row = Row { commit: commit.clone(), ..row };
         println!("{}", line(cells(&row).each_ref().map(String::as_str)));
-        // Each as soon as it is there, beside what others have written meanwhile: an hour is not lost with one failure.
+        // Each target is written as soon as it has run, beside those that others have written meanwhile: an
+        // hour is not lost with one failure.
         let mut report = Report::resume(file)?;
         report.add(row.clone());
         figures::write(file, &report)?;
@@ -92,7 +96,7 @@ fn fuzz(root: &Path, arguments: &Arguments, file: &Path) -> Result<(), String> {
     if broken.is_empty() { Ok(()) } else { Err(format!("\n{}", broken.join("\n\n"))) }
 }
 
-/// A line of the table.
+/// Formats a line of the table.
 fn line(cells: [&str; 8]) -> String {
     let [target, seconds, executions, rate, coverage, corpus, new, findings] = cells;
     format!(
@@ -101,7 +105,7 @@ fn line(cells: [&str; 8]) -> String {
 }
 
 fn cells(row: &Row) -> [String; 8] {
-    // Of all together they say nothing.
+    // Coverage and corpus are left out of the sum of all targets: they do not add up.
     let own = |count: u64| if row.coverage == 0 { String::new() } else { count.to_string() };
     [
         row.target.clone(),
@@ -115,7 +119,7 @@ fn cells(row: &Row) -> [String; 8] {
     ]
 }
 
-/// The targets that there are, by name.
+/// Names of the existing targets.
 pub(crate) fn targets(root: &Path) -> Result<Vec<String>, String> {
     let folder = root.join("tests/fuzz/fuzz_targets");
     let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -125,13 +129,15 @@ pub(crate) fn targets(root: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// cargo-fuzz, with optimisation, overflow checks and debug assertions. Without AddressSanitizer: what is looked at forbids unsafe code, and runs twice as often.
+/// Returns a call of cargo-fuzz, with optimisation, overflow checks and debug assertions. AddressSanitizer is
+/// off: the code under test forbids unsafe code, and runs twice as fast without it.
 fn cargo_fuzz(root: &Path, what: &str) -> Command {
     let mut command = Command::new("cargo");
     command.args(["+nightly", "fuzz", what, "--fuzz-dir", "tests/fuzz", "--features", "libfuzzer"]);
     command.args(["--sanitizer", "none", "--codegen-units", "16", "--target-dir"]);
     command.arg(folder(root, "")).current_dir(root);
-    // Fourteen programs are linked, and linking takes longer than it gains. The toolchain is the command line's.
+    // Without link-time optimisation: fourteen programs are linked, which takes longer than it gains. The
+    // command line selects the toolchain.
     command.env("CARGO_PROFILE_RELEASE_LTO", "off").env_remove("RUSTUP_TOOLCHAIN");
     command
 }
@@ -142,8 +148,8 @@ fn folder(root: &Path, what: &str) -> PathBuf {
     target.join("fuzz").join(what)
 }
 
-/// Begins with the corpus of the repository and what earlier runs have found.
-/// Answers the figures, and what was found.
+/// Runs one target, beginning with the corpus of the repository and of earlier runs. Returns the figures, and
+/// a finding.
 fn one(root: &Path, name: &str, seconds: u64) -> Result<(Row, Option<String>), String> {
     let (found, artifacts) = (folder(root, "corpus").join(name), folder(root, "artifacts").join(name));
     for folder in [&found, &artifacts] {
@@ -167,7 +173,7 @@ fn one(root: &Path, name: &str, seconds: u64) -> Result<(Row, Option<String>), S
     Ok((Row { findings: vec![broken.lines().skip(1).collect::<Vec<_>>().join(" ")], ..row }, Some(told)))
 }
 
-/// What libFuzzer says at its end, whether it has found something or not.
+/// Parses the figures that libFuzzer prints at its end, with or without a finding.
 fn figures(said: &str) -> Option<Row> {
     let stat = |name: &str| said.lines().rev().find_map(|line| line.strip_prefix(name)?.trim().parse().ok());
     let last = said.lines().rev().find(|line| line.starts_with('#') && line.contains("cov: "))?;
@@ -184,16 +190,16 @@ fn figures(said: &str) -> Option<Row> {
 /// An input that breaks a promise.
 #[derive(Debug, PartialEq, Eq)]
 struct Finding {
-    /// Where and how.
+    /// Place and kind of the failure.
     broken: String,
-    /// The file.
+    /// File of the input.
     input: String,
 }
 
 fn finding(said: &str) -> Option<Finding> {
     let panic = said.lines().skip_while(|line| !line.contains("panicked at"));
     let broken: Vec<&str> = panic.take_while(|line| *line != "stack backtrace:").collect();
-    // What takes too long, or too much memory, has no panic.
+    // An input that takes too long, or too much memory, has no panic.
     let what = said.lines().find_map(|line| Some(line.split_once("ERROR: libFuzzer: ")?.1));
     let broken = if broken.is_empty() { format!("libFuzzer:\n{}", what?) } else { broken.join("\n  ") };
     let input = said.lines().find_map(|line| line.split("Test unit written to ").nth(1))?;
@@ -204,7 +210,7 @@ fn finding(said: &str) -> Option<Finding> {
 mod tests {
     use super::*;
 
-    /// What libFuzzer says, shortened.
+    /// Output of libFuzzer, shortened.
     const DONE: &str = "\
 INFO: seed corpus: files: 3 min: 8b max: 120b total: 300b rss: 28Mb
 #4\tINITED cov: 90 ft: 95 corp: 3/300b exec/s: 0 rss: 28Mb

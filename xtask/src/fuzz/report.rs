@@ -1,4 +1,4 @@
-//! What fuzzing came to, piece by piece: fuzz.json. Pieces add up as long as what they looked at is the same.
+//! Results of fuzzing, run by run: fuzz.json. Runs add up as long as the code under test is the same.
 
 use crate::figures;
 use serde::{Deserialize, Serialize};
@@ -6,59 +6,61 @@ use std::path::Path;
 use std::process::Command;
 use std::{fs, io};
 
-/// What the targets are made of.
+/// Files and folders of which the targets consist.
 const LOOKED_AT: [&str; 6] =
     ["Cargo.lock", "core", "firmware/boot", "sim", "tests/fuzz/src", "tests/fuzz/Cargo.toml"];
 
-/// Everything in one file.
+/// Report: everything in one file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// Where rates were measured.
+    /// Machine on which rates were measured.
     pub(crate) machine: String,
-    /// In the order of their names.
+    /// Targets in the order of their names.
     pub(crate) targets: Vec<Row>,
-    /// Every identifier, in the order of the tests.
+    /// Sweeps over every identifier, in the order of the tests.
     pub(crate) sweeps: Vec<Sweep>,
 }
 
-/// A target.
+/// Figures of a target.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// Its name.
+    /// Name of the target.
     pub(crate) target: String,
-    /// That it ran.
+    /// Time for which it ran, s.
     pub(crate) seconds: u64,
-    /// Inputs that it was given.
+    /// Number of inputs that were run.
     pub(crate) executions: u64,
-    /// Inputs that went where none had gone before.
+    /// Number of inputs that reached code that none had reached before.
     pub(crate) new_inputs: u64,
-    /// Edges that were reached, in the end.
+    /// Number of edges that were reached, at the end.
     pub(crate) coverage: u64,
-    /// Inputs that are kept, in the end.
+    /// Number of inputs that are kept, at the end.
     pub(crate) corpus: u64,
-    /// The promises that were broken.
+    /// Broken promises.
     pub(crate) findings: Vec<String>,
-    /// The last commit then that had changed what the targets look at.
+    /// Last commit at that time that had changed the code under test.
     pub(crate) commit: String,
 }
 
-/// Every identifier of one length, with every data length code, as data and as remote frame, given to one node.
+/// A sweep: every identifier of one length, with every data length code, as data and as remote frame, given
+/// to one node.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Sweep {
-    /// Which.
+    /// Node under test.
     pub(crate) node: String,
-    /// Of the identifiers.
+    /// Length of the identifiers, bits.
     pub(crate) bits: u32,
-    /// That were given.
+    /// Number of frames.
     pub(crate) frames: u64,
-    /// That it took.
+    /// Duration, s.
     pub(crate) seconds: u64,
-    /// The last commit then that had changed what is looked at.
+    /// Last commit at that time that had changed the code under test.
     pub(crate) commit: String,
 }
 
 impl Report {
-    /// What stands in the file so far. Each figure says itself of which code it is: all of them take hours.
+    /// Reads the present content of the file. Each figure has the commit of its own code, because all
+    /// together take hours.
     pub(crate) fn resume(path: &Path) -> Result<Self, String> {
         Ok(Self { machine: figures::machine(), ..Self::read(path)?.unwrap_or_default() })
     }
@@ -73,7 +75,7 @@ impl Report {
         }
     }
 
-    /// Adds a piece, or puts it in the place of one of other code.
+    /// Adds a run; if the target's row is of other code, replaces it.
     pub(crate) fn add(&mut self, piece: Row) {
         let place = self.targets.binary_search_by(|row| row.target.cmp(&piece.target));
         match place {
@@ -83,20 +85,20 @@ impl Report {
         }
     }
 
-    /// Puts a sweep in the place of the one before.
+    /// Replaces the older sweep.
     pub(crate) fn put(&mut self, sweep: Sweep) {
         self.sweeps.retain(|old| (&old.node, old.bits) != (&sweep.node, sweep.bits));
         self.sweeps.push(sweep);
         self.sweeps.sort_by(|a, b| (&a.node, a.bits).cmp(&(&b.node, b.bits)));
     }
 
-    /// All targets together; coverage and corpus of different ones do not add up.
+    /// Sum of all targets; coverage and corpus of different targets do not add up.
     pub(crate) fn total(&self) -> Row {
         total(&self.targets)
     }
 }
 
-/// All rows together.
+/// Sum of all rows.
 pub(crate) fn total(rows: &[Row]) -> Row {
     let mut all = Row { target: "all".into(), ..Row::default() };
     rows.iter().for_each(|row| all.join(row));
@@ -104,7 +106,7 @@ pub(crate) fn total(rows: &[Row]) -> Row {
 }
 
 impl Row {
-    /// Another run of the same target.
+    /// Adds another run of the same target.
     fn join(&mut self, piece: &Self) {
         self.seconds += piece.seconds;
         self.executions += piece.executions;
@@ -114,7 +116,7 @@ impl Row {
     }
 }
 
-/// The last commit of what the targets are made of, and whether the working copy differs from it.
+/// Last commit of the code under test, and whether the working copy differs from it.
 pub(crate) fn commit(root: &Path) -> Result<String, String> {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).arg("--").args(LOOKED_AT).current_dir(root).output();

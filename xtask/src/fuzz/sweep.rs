@@ -1,5 +1,5 @@
-//! Every identifier with every data length code, as data and as remote frame, to both nodes: the tests of `tests/fuzz/tests/identifiers.rs`, those that are ignored
-//! included.
+//! Sweep of every identifier with every data length code, as data and as remote frame, to both nodes: the
+//! tests of `tests/fuzz/tests/identifiers.rs`, including the ignored ones.
 
 use super::report::{self, Report, Sweep};
 use crate::figures;
@@ -19,7 +19,7 @@ const TESTS: [&str; 10] = [
     "--test-threads=1",
 ];
 
-/// Runs them, and writes what they have given into `file`.
+/// Runs the sweeps, and writes their figures into `file`.
 pub(super) fn identifiers(root: &Path, file: &Path) -> Result<(), String> {
     let (mut report, commit) = (Report::resume(file)?, report::commit(root)?);
     let output = Command::new("cargo").args(TESTS).current_dir(root).stderr(Stdio::inherit()).output();
@@ -41,7 +41,7 @@ pub(super) fn identifiers(root: &Path, file: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// `swept BITS FRAMES SECONDS NODE`, behind the name of the test.
+/// Parses `swept BITS FRAMES SECONDS NODE`, which follows the name of the test.
 fn sweep(line: &str, commit: &str) -> Option<Sweep> {
     let mut words = line.split_once("swept ")?.1.splitn(4, ' ');
     Some(Sweep {

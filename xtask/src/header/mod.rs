@@ -1,4 +1,5 @@
-//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the core's tables.
+//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the core's
+//! tables.
 
 mod tables;
 
@@ -8,12 +9,12 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// `cargo xtask header [--check]`.
+/// Runs `cargo xtask header [--check]`.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Writes the header, or with `check` only compares it with the one that is there.
+/// Writes the header; with `check` only compares it with the existing one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let path = root.join(HEADER);
     let wanted = header(root)?;
@@ -29,7 +30,7 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
 
 const HEADER: &str = "ffi/include/narx.h";
 
-/// Where the enumerations stand that the header takes from the core.
+/// Files of the core with the enumerations that the header contains.
 const ENUMERATIONS: [&str; 4] = [
     "core/src/motor/commutate/commutation.rs",
     "core/src/motor/commutate/pwm.rs",
@@ -37,7 +38,7 @@ const ENUMERATIONS: [&str; 4] = [
     "core/src/motor/machine/state.rs",
 ];
 
-/// Where the parameters' numbers stand.
+/// File with the parameters' numbers.
 const NUMBERS: &str = "core/src/dictionary/number.rs";
 
 fn header(root: &Path) -> Result<String, String> {
@@ -49,11 +50,11 @@ fn header(root: &Path) -> Result<String, String> {
     for file in ENUMERATIONS {
         builder = builder.with_src(root.join(file));
     }
-    // Types end in _t, their enumerators need not.
+    // Types end in _t; their enumerators need not.
     Ok(without_lists(&text(builder)?).replace("_T_", "_"))
 }
 
-/// An enumeration's list of itself (`ALL`) is written in names that C does not have: left out, with its comment.
+/// Removes the list `ALL` of an enumeration, with its comment: it contains names that C does not have.
 fn without_lists(text: &str) -> String {
     let mut lines: Vec<&str> = Vec::new();
     for line in text.lines() {
@@ -66,7 +67,7 @@ fn without_lists(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The parameters' numbers as `NARX_PARAMETER_NAME`.
+/// Renders the parameters' numbers as `NARX_PARAMETER_NAME`.
 fn numbers(root: &Path) -> Result<String, String> {
     let mut config = Config { no_includes: true, language: cbindgen::Language::C, ..Config::default() };
     config.documentation_style = cbindgen::DocumentationStyle::C99;

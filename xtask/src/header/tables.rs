@@ -1,5 +1,5 @@
-//! What the header has from core's tables: messages with their fields, the fields' named values, faults with their causes, and the
-//! TX-Driver's entries.
+//! Parts of the header from core's tables: messages with their fields, the fields' named values, faults with
+//! their causes, and the TX-Driver's entries.
 
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, NAMES, Opcode};
 use narx_core::eddycan::OBJECTS;
@@ -7,7 +7,7 @@ use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_host::can_log::{identifier, message_name};
 use std::fmt::Write;
 
-/// The definitions, in C99.
+/// Renders the definitions in C99.
 pub(super) fn definitions() -> String {
     let mut out = String::new();
     let meanings: Vec<Meaning> = messages().flat_map(Message::fields).map(|field| field.meaning).collect();
@@ -51,13 +51,13 @@ pub(super) fn definitions() -> String {
     out
 }
 
-/// The messages that the library knows: it is built without programming (feature `update` of core).
+/// Messages that the library knows: it is built without programming (feature `update` of core).
 fn messages() -> impl Iterator<Item = &'static Message> {
     let update = Opcode::UPDATE_DEVICE.raw()..=Opcode::UPDATE_CONFIRM.raw();
     MESSAGES.iter().filter(move |message| !update.contains(&message.opcode.raw()))
 }
 
-/// The union of all messages' fields, as `narx_fields_t` is known to the library: words.
+/// Writes the union of all messages' fields, which the library knows as `narx_fields_t`: words.
 fn fields(out: &mut String) {
     let most = messages().map(|message| message.fields().count()).max().unwrap_or(0);
     define(out, "Fields that a message has at most.", "FIELDS_MAX", most as u32);
@@ -81,7 +81,7 @@ fn member(field: &Field) -> String {
     identifier(field.name).to_lowercase()
 }
 
-/// Scale, unit and meaning, as a comment behind the member.
+/// Comment after a member: scale, unit and meaning.
 fn about(field: &Field) -> String {
     let unit = field.unit.replace('°', "deg ");
     let text = match field.meaning {
@@ -114,12 +114,12 @@ fn define(out: &mut String, about: &str, name: &str, value: u32) {
     line(out, format_args!("// {about}\n#define NARX_{name} {value}\n"));
 }
 
-/// A name as a constant of C.
+/// Spells a name as a constant of C.
 fn constant(name: &str) -> String {
     identifier(name).to_uppercase()
 }
 
-/// `NodeId` as `Node Id`, `Filter1` as `Filter 1`.
+/// Separates words: `NodeId` as `Node Id`, `Filter1` as `Filter 1`.
 fn spaced(name: &str) -> String {
     let mut out = String::new();
     for letter in name.chars() {

@@ -1,32 +1,32 @@
-//! What is mutated, and which tests have to notice.
+//! Areas of the code that are mutated, and the tests that must notice.
 
 /// Test programs of a package.
 pub(super) struct Tests {
-    /// Its name.
+    /// Name of the package.
     pub package: &'static str,
-    /// Features that they need.
+    /// Features that the tests need.
     pub features: &'static str,
-    /// The programs.
+    /// Names of the programs.
     pub programs: &'static [&'static str],
-    /// Tests that are not about the area and take long.
+    /// Tests to skip: they do not concern the area and take long.
     pub skip: &'static [&'static str],
-    /// A mutant that they take longer for hangs, s: ten times what they take on two busy cores.
+    /// Time after which a mutant counts as hung, s: ten times the tests' duration on two busy cores.
     pub timeout: &'static str,
 }
 
-/// Some files, and what is about them.
+/// Some files, and the tests that concern them.
 pub(super) struct Area {
-    /// Its name on the command line.
+    /// Name of the area on the command line.
     pub name: &'static str,
-    /// What it is, for the page.
+    /// Description of the area for the page.
     pub what: &'static str,
-    /// The package that is mutated.
+    /// Package that is mutated.
     pub package: &'static str,
-    /// Files of it, as globs.
+    /// Files of the package, as globs.
     pub files: &'static [&'static str],
-    /// Run against every mutant: built in seconds.
+    /// Tests that are run against every mutant: built in seconds.
     pub quick: Tests,
-    /// Run against what those leave, where there are tests that take longer.
+    /// Tests that take longer, if there are any; run against the mutants that the quick ones miss.
     pub long: Option<Tests>,
 }
 
@@ -34,7 +34,8 @@ const fn quick(programs: &'static [&'static str], features: &'static str) -> Tes
     Tests { package: "narx-mutants", features, programs, skip: &[], timeout: "40" }
 }
 
-/// Every cut, every bit and every page's life, again and again: the other tests of storage see most of it sooner.
+/// Tests with every cut, every bit and every page's life, again and again: the other tests of storage find
+/// most failures sooner.
 const LONG: [&str; 6] = [
     "code_flash_damage::a_flipped_bit",
     "every_cut_of_",
@@ -44,7 +45,7 @@ const LONG: [&str; 6] = [
     "store::wear_is_even",
 ];
 
-/// All of them.
+/// All areas.
 pub(super) const AREAS: [Area; 5] = [
     Area {
         name: "machine",
@@ -79,7 +80,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/*.rs", "core/src/bus/narmotion/*.rs"],
         quick: quick(&["narmotion"], ""),
-        // Both have their frames in common.
+        // Both protocols share the frames.
         long: Some(quick(&["eddycan"], "")),
     },
     Area {
@@ -98,7 +99,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    /// A program that is not there, or has another name, would notice nothing.
+    /// Every program exists under its name; one that does not would notice nothing.
     #[test]
     fn every_program_is_there() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();

@@ -1,5 +1,7 @@
-//! Changes the code on purpose, one place at a time, and sees whether a test fails: cargo-mutants, area by area. What counts is the time for one mutant, so it is run
-//! against small programs of the tests that are about its area (`tests/mutants`), without those that take long first, and only what they leave against these, too.
+//! Changes the code on purpose, one place at a time, and checks that a test fails: cargo-mutants, area by
+//! area. The time for one mutant matters most. Each is therefore run against small programs of the tests that
+//! concern its area (`tests/mutants`), at first without the tests that take long; only the mutants that
+//! survive are run against these, too.
 
 mod areas;
 mod outcomes;
@@ -17,24 +19,24 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{env, fs};
 
-/// Of cargo-mutants.
+/// Version of cargo-mutants.
 const VERSION: &str = "27.1.0";
 
-/// What to mutate.
+/// Selection of mutants.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Areas; without a name all of them: machine, boot, storage, narmotion, eddycan
+    /// Areas to mutate; without a name all of them: machine, boot, storage, narmotion, eddycan
     areas: Vec<String>,
-    /// A part of an area's mutants: 0/4 is the first quarter
+    /// Run a part of an area's mutants: 0/4 is the first quarter
     #[arg(long)]
     shard: Option<String>,
-    /// At most so many of those that nobody has run yet
+    /// Run at most this many of the mutants that have not run yet
     #[arg(long, value_name = "COUNT", conflicts_with = "shard")]
     rest: Option<usize>,
-    /// Only those that were missed last time, to see whether new tests notice them
+    /// Run only those that were missed last time, to see whether new tests notice them
     #[arg(long, conflicts_with_all = ["shard", "rest"])]
     missed: bool,
-    /// Run nothing; write what the runs so far have found
+    /// Run nothing; write the results of the runs so far
     #[arg(long, conflicts_with_all = ["shard", "rest", "missed"])]
     collect: bool,
     /// Folder of mutants.json
@@ -42,12 +44,12 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Name of every area, and what it is.
+/// Name and description of every area.
 pub fn areas() -> Vec<(&'static str, &'static str)> {
     AREAS.iter().map(|area| (area.name, area.what)).collect()
 }
 
-/// `cargo xtask mutants`.
+/// Runs `cargo xtask mutants`.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(mutate(root, arguments))
 }
@@ -80,20 +82,21 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Area>, String> {
     Ok(AREAS.iter().filter(|area| names.is_empty() || names.iter().any(|name| name == area.name)).collect())
 }
 
-/// An area's line, and its survivors.
+/// Lines about an area: its figures, and its survivors.
 fn told(row: &Row) -> Vec<String> {
     let missed = row.missed.iter().map(|mutant| format!("    {mutant}"));
     [row.to_string()].into_iter().chain(missed).collect()
 }
 
-/// Where mutants are made: a copy of the working copy, and what came of it beside that.
+/// Place of the mutations: a copy of the working copy, and the results beside it.
 struct Bench {
     folder: PathBuf,
     tree: PathBuf,
 }
 
 impl Bench {
-    /// One run of an area: quick tests, then the long ones for what these leave. Each writes a folder of its own; the last word on a mutant counts.
+    /// Runs an area: quick tests, then the long ones for the mutants that survive. Each run writes a folder
+    /// of its own; the last result of a mutant counts.
     fn run(&self, area: &Area, arguments: &Arguments) -> Result<(), String> {
         let mut command = self.cargo_mutants(area);
         let mut only = Vec::new();
@@ -108,11 +111,11 @@ impl Bench {
                 return Ok(());
             }
         } else {
-            // Whoever runs all begins anew; parts add up.
+            // A run of all mutants begins anew; runs of parts add up.
             fs::remove_dir_all(self.folder.join(area.name)).ok();
         }
         self.pass(area, &area.quick, command, &only)?;
-        // What parts leave is asked of the long tests once, at their end.
+        // Survivors of parts are run against the long tests only once, after the last part.
         let is_part = arguments.shard.is_some() || arguments.rest.is_some();
         let missed = if is_part { Vec::new() } else { self.missed(area)? };
         match &area.long {
@@ -151,17 +154,18 @@ impl Bench {
             command.args(["--", "--"]).args(tests.skip.iter().flat_map(|name| ["--skip", name]));
         }
         command.env("CARGO_TARGET_DIR", self.target());
-        // The first counter-example is enough.
+        // The first counter-example suffices.
         command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env_remove("UPDATE").env_remove("INSTA_UPDATE");
         let status = command.status().map_err(|error| format!("cargo: {error}"))?;
         match status.code() {
-            // All caught; some missed; some hung.
+            // Exit codes: all caught; some missed; some hung.
             Some(0 | 2 | 3) => Ok(()),
             _ => Err(format!("{}: cargo mutants failed, {status}: {}", area.name, next.display())),
         }
     }
 
-    /// Without a mutant the tests pass, or every mutant would be caught. cargo-mutants would run those of the mutated package.
+    /// Checks that the tests pass without a mutant; else every mutant would count as caught. cargo-mutants
+    /// itself would run the tests of the mutated package.
     fn check(&self, tests: &Tests) -> Result<(), String> {
         let mut cargo = Command::new("cargo");
         cargo.args(["test", "--profile", "mutants", "--package", tests.package]).args(features(tests));
@@ -177,7 +181,7 @@ impl Bench {
         self.folder.join("target")
     }
 
-    /// What there is to mutate.
+    /// Lists the mutants of an area.
     fn list(&self, area: &Area) -> Result<Vec<Listed>, String> {
         let output = self.cargo_mutants(area).args(["--list", "--json"]).output();
         let output = output.map_err(|error| format!("cargo: {error}"))?;
@@ -213,8 +217,9 @@ impl Bench {
     }
 }
 
-/// What one run says of a mutant. The last word counts, but one that a test has noticed stays noticed: cargo-mutants does not hold
-/// every kind of mutant to the names it is asked for, so other tests may have run it, too.
+/// Records a run's result of a mutant. The last result counts, but a mutant that a test has noticed stays
+/// noticed: cargo-mutants does not restrict every kind of mutant to the given test names, so other tests may
+/// have run it, too.
 fn learn(results: &mut BTreeMap<String, Summary>, name: String, summary: Summary) {
     let is_noticed = matches!(results.get(&name), Some(Summary::CaughtMutant | Summary::Timeout));
     if !(is_noticed && summary == Summary::MissedMutant) {
@@ -222,14 +227,14 @@ fn learn(results: &mut BTreeMap<String, Summary>, name: String, summary: Summary
     }
 }
 
-/// The first of those that have no result.
+/// Returns the first mutants without a result.
 fn rest(mut listed: Vec<Listed>, results: &BTreeMap<String, Summary>, count: usize) -> Vec<Listed> {
     listed.retain(|mutant| !results.contains_key(&mutant.name));
     listed.truncate(count);
     listed
 }
 
-/// Of a package that is not the one that is mutated.
+/// Features of the tests, whose package is not the mutated one.
 fn features(tests: &Tests) -> Vec<String> {
     match tests.features {
         "" => Vec::new(),
@@ -237,7 +242,8 @@ fn features(tests: &Tests) -> Vec<String> {
     }
 }
 
-/// A name as a regular expression that only it matches. Not every sign may be escaped: `\\<` is the beginning of a word.
+/// Converts a name into a regular expression that matches it only. Not every character may be escaped: `\\<`
+/// is the beginning of a word.
 fn escaped(name: &str) -> String {
     let mut escaped = String::new();
     for letter in name.chars() {
@@ -299,7 +305,8 @@ mod tests {
         );
     }
 
-    /// Operators are mutants' names, and signs of a regular expression.
+    /// The name of a mutant contains operators, which are also special characters of a regular expression; it
+    /// still matches itself only.
     #[test]
     fn a_name_matches_itself_alone() {
         assert_eq!(escaped("a.rs:1:2: replace += with *="), r"a\.rs:1:2: replace \+= with \*=");

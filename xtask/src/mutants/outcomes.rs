@@ -1,11 +1,12 @@
-//! What cargo-mutants writes of its runs: `mutants.out/outcomes.json`, and its list of what there is to mutate.
+//! Files that cargo-mutants writes: `mutants.out/outcomes.json`, and its list of the mutants.
 
 use super::report::Mutant;
 use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
-/// A mutant as cargo-mutants tells of it. Its name has the line, so it is one among all of the same tree.
+/// A mutant as cargo-mutants describes it. Its name contains the line, so it is unique within one state of
+/// the sources.
 #[derive(Clone, Deserialize)]
 pub(super) struct Listed {
     /// `FILE:LINE:COLUMN: MUTATION`.
@@ -22,7 +23,7 @@ struct Function {
 }
 
 impl Listed {
-    /// The same without its place: what is left when lines move.
+    /// Returns the mutant without its place, so that it stays the same when lines move.
     pub(super) fn mutant(&self) -> Mutant {
         let function = self.function.as_ref().map_or_else(String::new, |it| it.function_name.clone());
         let mutation = if self.genre == "FnValue" {
@@ -35,18 +36,18 @@ impl Listed {
     }
 }
 
-/// How it went.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(super) enum Summary {
-    /// Without a mutant: the tests as they are.
+    /// Without a mutant: the tests pass.
     Success,
-    /// Without a mutant: they fail.
+    /// Without a mutant: the tests fail.
     Failure,
     /// A test failed.
     CaughtMutant,
-    /// None did.
+    /// No test failed.
     MissedMutant,
-    /// It does not build.
+    /// The mutant does not build.
     Unviable,
     /// The tests hung.
     Timeout,
@@ -71,7 +72,7 @@ struct PhaseResult {
 }
 
 impl Outcome {
-    /// It was not the mutant that took too long, but the compiler: nothing is known of it.
+    /// Returns whether the compiler took too long, not the tests: such a run has no result.
     fn is_of_the_machine(&self) -> bool {
         self.summary == Summary::Timeout && self.phase_results.iter().all(|result| result.phase != "Test")
     }
@@ -83,10 +84,10 @@ enum Scenario {
     Mutant(Box<Listed>),
 }
 
-/// What came of each mutant of a run.
+/// Reads the result of each mutant of a run.
 ///
 /// # Errors
-/// The file is not there, or it is something else.
+/// Fails if the file is missing, or has another content.
 pub(super) fn read(path: &Path) -> Result<Vec<(Listed, Summary)>, String> {
     let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     parse(&text).map_err(|error| format!("{}: {error}", path.display()))
@@ -121,7 +122,7 @@ mod tests {
             "phase_results": [{"phase": "Build"}, {"phase": "Test"}]}
     ], "total_mutants": 5}"#;
 
-    /// And a build that took too long says nothing of it.
+    /// A mutant is named without its line, and a build that took too long gives no result.
     #[test]
     fn a_mutant_is_named_without_its_line() {
         let read = parse(TEXT).unwrap();

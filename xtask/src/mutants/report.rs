@@ -1,4 +1,4 @@
-//! `mutants.json`: how many mutants of each area there are, what came of them, and the names of those that live.
+//! `mutants.json`: number of mutants of each area, their results, and the names of those that survive.
 
 use super::areas::Area;
 use super::outcomes::{Listed, Summary};
@@ -12,11 +12,11 @@ use std::path::Path;
 /// A change of the code.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Mutant {
-    /// Where.
+    /// File of the change.
     pub file: String,
-    /// In which function; empty outside of any.
+    /// Function that was changed; empty outside of any.
     pub function: String,
-    /// What was changed.
+    /// Description of the change.
     pub mutation: String,
 }
 
@@ -31,29 +31,29 @@ impl fmt::Display for Mutant {
     }
 }
 
-/// What came of an area's mutants.
+/// Results of an area's mutants.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     /// Name of the area.
     pub area: String,
-    /// What it is.
+    /// Description of the area.
     pub what: String,
-    /// Mutants that there are.
+    /// Number of mutants.
     pub mutants: usize,
-    /// Of these run; the others nobody has tried.
+    /// Number of mutants that were run.
     pub run: usize,
-    /// A test failed.
+    /// Number for which a test failed.
     pub caught: usize,
-    /// The tests hung: noticed, too.
+    /// Number for which the tests hung: these count as noticed.
     pub timeout: usize,
-    /// It does not build.
+    /// Number that do not build.
     pub unviable: usize,
-    /// No test failed.
+    /// Mutants for which no test failed.
     pub missed: Vec<Mutant>,
 }
 
 impl Row {
-    /// What came of those that are listed; the last result of each counts.
+    /// Counts the results of the listed mutants; the last result of each counts.
     pub(super) fn new(area: &Area, listed: &[Listed], results: &BTreeMap<String, Summary>) -> Self {
         let of = |summary| listed.iter().filter(move |mutant| results.get(&mutant.name) == Some(&summary));
         let mut missed: Vec<Mutant> = of(Summary::MissedMutant).map(Listed::mutant).collect();
@@ -82,10 +82,10 @@ impl fmt::Display for Row {
     }
 }
 
-/// The file.
+/// Content of the file.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
-    /// In the order of the table of areas.
+    /// Rows in the order of the table of areas.
     pub areas: Vec<Row>,
 }
 
@@ -93,7 +93,7 @@ impl Report {
     /// Reads a file.
     ///
     /// # Errors
-    /// There is none, or it is something else.
+    /// Fails if the file is missing, or has another content.
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
@@ -102,7 +102,7 @@ impl Report {
     /// Writes rows into a file; those of other areas stay.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Fails if it cannot be written.
     pub(super) fn write(path: &Path, rows: Vec<Row>) -> Result<(), String> {
         let mut report = Self::read(path).unwrap_or_default();
         report.areas.retain(|old| !rows.iter().any(|row| row.area == old.area));

@@ -1,14 +1,15 @@
-//! A copy of the working copy to write mutants into. It stays, so that what is built of it stays, too.
+//! A copy of the working copy in which mutants are written. It is kept, so that its build stays valid.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{fs, io};
 
-/// Makes `copy` the same as the working copy at `root`. A file that is the same is left alone: cargo goes by its time.
+/// Makes `copy` equal to the working copy at `root`. Files that are equal are not written: cargo compares
+/// their times.
 ///
 /// # Errors
-/// What git said, or the file that cannot be written.
+/// Fails with git's message, or with the file that cannot be written.
 pub(super) fn refresh(root: &Path, copy: &Path) -> Result<(), String> {
     let wanted = files(root)?;
     for file in &wanted {
@@ -18,7 +19,7 @@ pub(super) fn refresh(root: &Path, copy: &Path) -> Result<(), String> {
     remove_others(copy, copy, &wanted).map_err(|error| format!("{}: {error}", copy.display()))
 }
 
-/// What git knows and what it would take: nothing that was built.
+/// Files that git tracks or would add: no build products.
 fn files(root: &Path) -> Result<BTreeSet<PathBuf>, String> {
     let mut git = Command::new("git");
     git.args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"]).current_dir(root);
@@ -58,7 +59,7 @@ fn remove_others(folder: &Path, copy: &Path, wanted: &BTreeSet<PathBuf>) -> io::
 mod tests {
     use super::*;
 
-    /// What a mutant or a failed test has left there is gone, and what is the same keeps its time.
+    /// A refreshed copy has lost the changes of a mutant or a failed test, and equal files keep their time.
     #[test]
     fn a_copy_is_made_the_same_again() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/mutants");

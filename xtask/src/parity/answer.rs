@@ -1,17 +1,17 @@
-//! What a target says of one recording.
+//! Answer of a target about one recording.
 
 /// One line of a replayer: `STEM TICKS DIGEST RECORDED`, or with a limited number of ticks
-/// `STEM TICKS DIGEST - OUTPUTS`, where OUTPUTS is how `narx_core::recording::Outputs` displays itself. A recording that
-/// cannot be replayed: `STEM error MESSAGE`.
+/// `STEM TICKS DIGEST - OUTPUTS`, where OUTPUTS is the text form of `narx_core::recording::Outputs`. For a
+/// recording that cannot be replayed: `STEM error MESSAGE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// Ticks replayed.
+    /// Number of replayed ticks.
     pub ticks: u64,
     /// Digest of the outputs.
     pub digest: u64,
-    /// Digest in the file, of a whole replay.
+    /// Digest in the file, if the replay was whole.
     pub recorded: Option<u64>,
-    /// What the last tick answered, of a limited replay.
+    /// Outputs of the last tick, if the replay was limited.
     pub outputs: Option<String>,
 }
 
@@ -19,7 +19,7 @@ impl Answer {
     /// Reads the line about `stem`.
     ///
     /// # Errors
-    /// The target's own message, or the line if it is not of this form.
+    /// Fails with the target's own message, or with the line if it is not of this form.
     pub fn parse(stem: &str, line: &str) -> Result<Self, String> {
         let malformed = || format!("not an answer about {stem}: {line:?}");
         let rest = line.strip_prefix(stem).and_then(|rest| rest.strip_prefix(' ')).ok_or_else(malformed)?;
@@ -40,7 +40,7 @@ impl Answer {
     }
 }
 
-/// 16 digits, so that a target that forgets leading zeros is noticed.
+/// Parses exactly 16 digits, so that a target that omits leading zeros is noticed.
 fn hexadecimal(digits: &str) -> Option<u64> {
     (digits.len() == 16).then(|| u64::from_str_radix(digits, 16).ok()).flatten()
 }

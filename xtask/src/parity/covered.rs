@@ -1,4 +1,4 @@
-//! What recordings lead the drive through.
+//! Coverage of recordings: states, transitions, faults and events that they contain.
 
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::machine::state::TRANSITIONS;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Counts by name.
 pub type Counts = BTreeMap<String, u64>;
 
-/// The events that a recording can hold, by name.
+/// Names of the events that a recording can hold.
 const EVENTS: [&str; 7] = [
     "command",
     "coefficients",
@@ -33,18 +33,18 @@ const fn index(event: &Event) -> usize {
     }
 }
 
-/// Sums over recordings. What none of them reached is there with 0.
+/// Sums over recordings. An item that none of them reaches is listed with 0.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Covered {
-    /// Ticks in all.
+    /// Total number of ticks.
     pub ticks: u64,
     /// Ticks in each state.
     pub states: Counts,
-    /// How often each transition of Table 7 was taken.
+    /// Number of times that each transition of Table 7 was taken.
     pub transitions: Counts,
-    /// Recordings in which each fault was seen.
+    /// Number of recordings in which each fault was seen.
     pub faults: Counts,
-    /// Events of each kind.
+    /// Number of events of each kind.
     pub events: Counts,
 }
 
@@ -62,7 +62,7 @@ impl Default for Covered {
 }
 
 impl Covered {
-    /// What one recording leads through; a replay that fails says so elsewhere, and covers nothing.
+    /// Returns the coverage of one recording. A replay that fails is reported elsewhere, and covers nothing.
     pub fn of(bytes: &[u8]) -> Self {
         let mut covered = Self::default();
         let count = |counts: &mut Counts, name: &str, by| *counts.entry(name.to_owned()).or_default() += by;
@@ -87,7 +87,7 @@ impl Covered {
         for (state, ticks) in State::ALL.into_iter().zip(states) {
             count(&mut covered.states, state.name(), ticks);
         }
-        // Rows of one name lead from the same state to the same.
+        // Rows of one name lead from the same state to the same state.
         for name in covered.transitions.clone().into_keys() {
             if let Some(row) = TRANSITIONS.iter().find(|row| row.name == name) {
                 count(&mut covered.transitions, &name, steps[row.from as usize][row.to as usize]);
@@ -98,7 +98,7 @@ impl Covered {
         covered
     }
 
-    /// Both together.
+    /// Adds another coverage.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
         self.ticks += other.ticks;

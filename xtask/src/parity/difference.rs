@@ -1,4 +1,4 @@
-//! Where two targets part: the first tick and the first output.
+//! Search for the first tick and output in which two targets differ.
 
 use super::answer::Answer;
 use super::replayer::Replay;
@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 /// The first outputs in which a target differs from the reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// Ticks that must be replayed to see it: the last of them differs.
+    /// Number of ticks to replay until the difference; the last of them differs.
     pub ticks: u64,
-    /// The tick's own number, as the outputs line tells it.
+    /// Number of the tick, as the outputs line gives it.
     pub tick: String,
     /// The first output that differs, with the reference's value: `duty 1200`.
     pub expected: String,
-    /// The same of the target.
+    /// The target's value of the same output.
     pub found: String,
 }
 
@@ -25,10 +25,11 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Finds the first tick in which `target` answers otherwise than `reference`; `None` if it never does.
+/// Finds the first tick in which the answer of `target` differs from that of `reference`; `None` if it never
+/// does.
 ///
 /// # Errors
-/// One of them cannot replay the file.
+/// Fails if one of them cannot replay the file.
 pub fn locate(
     reference: &dyn Replay,
     target: &dyn Replay,
@@ -45,7 +46,8 @@ pub fn locate(
     if whole.0 == whole.1 {
         return Ok(None);
     }
-    // The digest of a prefix covers all before it: equal up to some length, different from there on.
+    // The digest of a prefix covers all ticks before it: digests are equal up to some length, and different
+    // from there on.
     let (mut same, mut different) = (0, whole.0.ticks.max(whole.1.ticks));
     while different - same > 1 {
         let middle = same + (different - same) / 2;
@@ -65,7 +67,7 @@ fn first_output(ticks: u64, expected: &Answer, found: &Answer) -> Difference {
     let (tick, expected) = expected.split_once(": ").unwrap_or(("", &expected));
     let (_, found) = found.split_once(": ").unwrap_or(("", &found));
     let (mut left, mut right) = (expected.split(", "), found.split(", "));
-    // One of them may report a status where the other does not.
+    // One of them may report a status, and the other not.
     let mut pair = || (left.next().unwrap_or("nothing"), right.next().unwrap_or("nothing"));
     let (expected, found) = (0..expected.len().max(found.len()))
         .map(|_| pair())

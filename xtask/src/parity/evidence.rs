@@ -1,4 +1,4 @@
-//! What a comparison came to: printed, and kept in docs/evidence/conformance.json.
+//! Result of a comparison: printed, and stored in docs/evidence/conformance.json.
 
 use super::covered::Covered;
 use super::replayer::Replay;
@@ -11,24 +11,24 @@ use std::path::PathBuf;
 /// Recordings of one origin, on every target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Set {
-    /// Where they come from.
+    /// Origin of the recordings.
     pub name: String,
-    /// How many.
+    /// Number of recordings.
     pub recordings: u64,
-    /// Their ticks.
+    /// Number of ticks.
     pub ticks: u64,
-    /// Of how many the digest is the recorded one, on each target.
+    /// Number of recordings, on each target, whose digest equals the recorded one.
     pub equal: Vec<u64>,
-    /// How long each target took, s.
+    /// Time that each target took, s.
     #[serde(skip)]
     pub seconds: Vec<f64>,
 }
 
 impl Set {
-    /// Replays `files` on every target; the first one is whom the others are compared with.
+    /// Replays `files` on every target; the others are compared with the first one.
     ///
     /// # Errors
-    /// Every digest that differs, with the first tick and output.
+    /// Fails with every digest that differs, with the first tick and output.
     pub fn of(name: impl Into<String>, targets: &[&dyn Replay], files: &[PathBuf]) -> Result<Self, String> {
         let table = Table::new(targets, files);
         let wrong = table.differences(targets, files);
@@ -44,7 +44,7 @@ impl Set {
         })
     }
 
-    /// How long each target took, in a line.
+    /// Formats the times that the targets took, in a line.
     pub(super) fn times(&self, targets: &[&dyn Replay]) -> String {
         let times = targets.iter().zip(&self.seconds);
         let times: Vec<String> =
@@ -53,29 +53,29 @@ impl Set {
     }
 }
 
-/// Everything in one file.
+/// All results in one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conformance {
-    /// What compares again.
+    /// Command that compares again.
     pub command: String,
-    /// The code that ran.
+    /// Commit of the code that ran.
     pub commit: String,
     /// Names of the targets, in the order of [`Set::equal`].
     pub targets: Vec<String>,
-    /// What was replayed.
+    /// Sets that were replayed.
     pub sets: Vec<Set>,
-    /// What the recordings of all sets lead the drive through.
+    /// Coverage of the recordings of all sets.
     pub covered: Covered,
 }
 
 impl Conformance {
-    /// Digests that are equal.
+    /// Number of equal digests.
     pub fn digests(&self) -> u64 {
         self.sets.iter().flat_map(|set| &set.equal).sum()
     }
 }
 
-/// What these recordings lead the drive through, all together.
+/// Returns the coverage of these recordings together.
 pub(super) fn covered(files: &[PathBuf]) -> Covered {
     let each = map(files, |file| fs::read(file).map(|bytes| Covered::of(&bytes)).unwrap_or_default());
     each.into_iter().fold(Covered::default(), Covered::and)

@@ -1,7 +1,8 @@
-//! The same bits on every target: conformance vectors times targets, every digest equal.
+//! Equality of the bits on every target: conformance vectors times targets, with every digest equal.
 //!
-//! Each target is a program that replays recordings and prints a line for each (see [`Answer`]). Where a digest is not
-//! the recorded one, bisection over the number of ticks finds the first tick that differs, and its outputs tell how.
+//! Each target is a program that replays recordings and prints a line for each (see [`Answer`]). If a digest
+//! differs from the recorded one, bisection over the number of ticks finds the first tick that differs, and
+//! its outputs show the difference.
 
 mod answer;
 mod covered;
@@ -25,10 +26,10 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Replays every vector on this machine and on what these targets have built, and prints the table.
+/// Replays every vector on this machine and on the builds of these targets, and prints the table.
 ///
 /// # Errors
-/// Every digest that is not the recorded one, with the first tick and output that differ.
+/// Fails with every digest that differs from the recorded one, with the first tick and output that differ.
 pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
     let mut files = vectors::recordings(root)?;
     files.extend(vectors::transcripts(root)?);
@@ -40,12 +41,13 @@ pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
 pub struct Arguments {
     #[command(flatten)]
     random: Random,
-    /// Replay the committed vectors, too, and write conformance.json here
+    /// Replay the committed vectors, too, and write conformance.json into this folder
     #[arg(long)]
     out: Option<PathBuf>,
 }
 
-/// [`run_random`] as a command, on every target; with `--out` vectors and random recordings, and what they came to.
+/// Runs [`run_random`] as a command, on every target; with `--out` replays vectors and random recordings, and
+/// writes the result.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     let Arguments { random, out } = arguments;
     steps::finish(match out {
@@ -81,16 +83,16 @@ fn measure(root: &Path, random: Random, path: &Path) -> steps::Outcome {
     })
 }
 
-/// The same of recordings that are made for it.
+/// Replays recordings that are made for it, as [`run`] does the vectors.
 ///
 /// # Errors
-/// As [`run`].
+/// Those of [`run`].
 pub fn run_random(root: &Path, targets: &[Target], random: Random) -> steps::Outcome {
     let directory = install::target_directory(root).join("parity");
     on(root, targets, |all| random.compare(all, &directory))
 }
 
-/// Gives `compare` this machine and what these targets have built.
+/// Calls `compare` with this machine and the builds of these targets.
 fn on(
     root: &Path,
     targets: &[Target],
@@ -112,10 +114,10 @@ fn on(
     compare(&all)
 }
 
-/// Replays `files` on every target; the first one is whom the others are compared with.
+/// Replays `files` on every target; the others are compared with the first one.
 ///
 /// # Errors
-/// As [`run`].
+/// Those of [`run`].
 pub fn compare(targets: &[&dyn Replay], files: &[PathBuf]) -> steps::Outcome {
     let table = Table::new(targets, files);
     println!("{table}");

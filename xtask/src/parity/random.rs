@@ -1,4 +1,5 @@
-//! Conformance vectors that are made when they are needed: windows of worlds in which everything goes wrong, and one long life.
+//! Conformance vectors that are made when they are needed: windows of worlds with many faults at once, and
+//! one long recording.
 
 use super::evidence::Set;
 use super::replayer::Replay;
@@ -10,16 +11,16 @@ use narx_core::motor::State;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How many, of which worlds, and how long the long one is.
+/// Number of recordings, their worlds, and the length of the long one.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Random {
     /// Number of recordings
     #[arg(long, default_value_t = Self::default().count)]
     pub count: usize,
-    /// The first world
+    /// First world
     #[arg(long, default_value_t = Self::default().first)]
     pub first: u64,
-    /// Ticks of the long one
+    /// Number of ticks of the long recording
     #[arg(long, default_value_t = Self::default().ticks)]
     pub ticks: u64,
 }
@@ -30,15 +31,17 @@ impl Default for Random {
     }
 }
 
-/// Worlds that are looked through at once, and how often at most.
+/// Worlds that are run at once, and largest number of such batches.
 const WORLDS: u64 = 32;
 const BATCHES_MAX: u64 = 128;
 
 impl Random {
-    /// Makes the recordings in `directory` and replays them on every target; the first one is whom the others are compared with.
+    /// Makes the recordings in `directory` and replays them on every target; the others are compared with the
+    /// first one.
     ///
     /// # Errors
-    /// Every digest that differs, with the first tick and output, or a state in which no recording begins.
+    /// Fails with every digest that differs, with the first tick and output, or with a state in which no
+    /// recording begins.
     pub fn compare(&self, targets: &[&dyn Replay], directory: &Path) -> steps::Outcome {
         let (sets, files) = self.sets(targets, directory)?;
         let ticks: u64 = sets.iter().map(|set| set.ticks).sum();
@@ -52,7 +55,7 @@ impl Random {
         Ok([closing].into_iter().chain(sets.iter().map(|set| set.times(targets))).collect())
     }
 
-    /// The same as sets, with the files that were replayed.
+    /// Replays the recordings as sets; returns the sets, with the files that were replayed.
     pub(super) fn sets(
         &self,
         targets: &[&dyn Replay],
@@ -74,7 +77,8 @@ impl Random {
         Ok((sets, files))
     }
 
-    /// Windows until there are enough and every state is among them, of each state the same number as far as there are.
+    /// Makes windows until there are enough and every state is among them. Of each state it returns the same
+    /// number, as far as there are.
     fn windows(&self) -> Result<Vec<Window>, String> {
         let mut found: Vec<Window> = Vec::new();
         let misses = |found: &[Window]| {

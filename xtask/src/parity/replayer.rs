@@ -1,4 +1,4 @@
-//! Whoever claims to be the same control core.
+//! Programs that replay recordings: implementations of the control core to be compared.
 
 use super::answer::Answer;
 use narx_core::recording::{replay_any, replay_any_until};
@@ -8,13 +8,14 @@ use std::process::{Command, Stdio};
 
 /// Something that replays recordings.
 pub trait Replay {
-    /// Name of the target, as the table heads its column.
+    /// Name of the target, the head of its column in the table.
     fn name(&self) -> &str;
-    /// Replays each file, or its first `ticks`; an answer or a reason for each, in order.
+    /// Replays each file, or its first `ticks`; returns an answer or the reason for a failure for each, in
+    /// order.
     fn replay(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>>;
 }
 
-/// This very process.
+/// The core in this process.
 #[derive(Clone, Copy, Debug)]
 pub struct Native;
 
@@ -44,10 +45,10 @@ fn native(file: &Path, ticks: Option<u64>) -> Result<Answer, String> {
     }
 }
 
-/// A program with its fixed arguments, given those of one run.
+/// Function that returns a program with its fixed arguments and those of one run.
 type Start = dyn Fn(&[String]) -> Command;
 
-/// Recordings in one command line: an emulated board has little room for it.
+/// Number of recordings in one command line: an emulated board has little room for it.
 const AT_ONCE: usize = 200;
 
 /// A program of another target.
@@ -57,7 +58,7 @@ pub struct Replayer {
 }
 
 impl Replayer {
-    /// A program that is started with these arguments: `[--ticks N] FILE...`.
+    /// Builds a replayer of a program that is started with these arguments: `[--ticks N] FILE...`.
     pub fn new(name: &'static str, command: impl Fn(&[String]) -> Command + 'static) -> Self {
         Self { name, command: Box::new(command) }
     }
@@ -88,7 +89,7 @@ impl Replayer {
             Err(error) => return files.iter().map(|_| Err(format!("did not start: {error}"))).collect(),
         };
         let text = String::from_utf8_lossy(&output.stdout);
-        // Its last line says most: what stands before is where.
+        // The last line of the error output has the message; the lines before it have the place.
         let complaint = String::from_utf8_lossy(&output.stderr);
         let complaint = complaint.trim().lines().last().unwrap_or_default().to_owned();
         let mut lines = text.lines();
@@ -104,7 +105,7 @@ impl Replayer {
     }
 }
 
-/// The name of a vector: its file's without the extension.
+/// Name of a vector: its file's name without the extension.
 pub(super) fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

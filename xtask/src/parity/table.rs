@@ -1,4 +1,4 @@
-//! Vectors down, targets across.
+//! Table of digests, with a row for each vector and a column for each target.
 
 use super::answer::Answer;
 use super::difference::locate;
@@ -7,19 +7,19 @@ use std::fmt;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What every target answered to every recording.
+/// Answers of every target to every recording.
 #[derive(Debug)]
 pub struct Table {
     names: Vec<String>,
     stems: Vec<String>,
     /// A column for each target.
     answers: Vec<Vec<Result<Answer, String>>>,
-    /// How long each took, s.
+    /// Time that each target took, s.
     seconds: Vec<f64>,
 }
 
 impl Table {
-    /// Asks every target about every file.
+    /// Replays every file on every target.
     pub fn new(targets: &[&dyn Replay], files: &[PathBuf]) -> Self {
         let ask = |target: &&dyn Replay| {
             let begun = Instant::now();
@@ -39,7 +39,7 @@ impl Table {
         self.names.len() * self.stems.len()
     }
 
-    /// Whether there is no cell.
+    /// Returns whether there is no cell.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -49,18 +49,18 @@ impl Table {
         self.answers.first().into_iter().flatten().flatten().map(|answer| answer.ticks).sum()
     }
 
-    /// On each target the number of recordings whose digest is the recorded one.
+    /// Number of recordings, on each target, whose digest equals the recorded one.
     pub fn equal(&self) -> Vec<u64> {
         self.answers.iter().map(|column| column.iter().filter(|cell| is_same(cell)).count() as u64).collect()
     }
 
-    /// How long each target took, s.
+    /// Time that each target took, s.
     pub fn seconds(&self) -> &[f64] {
         &self.seconds
     }
 
-    /// A line for every cell that is not as it should be. Targets that differ from the first one are asked again for
-    /// where.
+    /// Returns a line for every cell that is not as expected. For a target that differs from the first one
+    /// the place of the difference is searched.
     pub fn differences(&self, targets: &[&dyn Replay], files: &[PathBuf]) -> Vec<String> {
         let mut lines = Vec::new();
         for (row, file) in files.iter().enumerate() {
@@ -91,7 +91,7 @@ impl Table {
     }
 }
 
-/// Whether the replay came to what was recorded.
+/// Returns whether the replay gave the recorded digest.
 fn is_same(cell: &Result<Answer, String>) -> bool {
     cell.as_ref().is_ok_and(|answer| answer.recorded == Some(answer.digest))
 }

@@ -1,21 +1,22 @@
-//! Fewer points than rows, without losing a peak.
+//! Reduces a trace to fewer points than rows, without losing a peak.
 
-/// What a signal did within a stretch of time.
+/// Extremes of a signal within a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
-    /// Where its smallest value lies.
+    /// Point with the smallest value.
     pub(super) min: (f64, f64),
-    /// Where its largest value lies.
+    /// Point with the largest value.
     pub(super) max: (f64, f64),
 }
 
-/// Cuts the points into `count` stretches of equal number and keeps the extremes of each. Not-a-number is left out.
+/// Divides the points into `count` stretches of equal number and returns the extremes of each. NaN is left
+/// out.
 pub(super) fn extents(points: &[(f64, f64)], count: usize) -> Vec<Extent> {
     let per_stretch = points.len().div_ceil(count.max(1)).max(1);
     points.chunks(per_stretch).filter_map(extent).collect()
 }
 
-/// A line through the extremes of at most `count` stretches; all the points if there are few.
+/// Returns a line through the extremes of at most `count` stretches; all the points if there are few.
 pub(super) fn line(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
     if points.len() <= 2 * count {
         return without_repeats(points.iter().copied().filter(|(_, y)| !y.is_nan()));
@@ -29,7 +30,7 @@ pub(super) fn line(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
     )
 }
 
-/// The mean of each of `count` stretches.
+/// Returns the mean of each of `count` stretches.
 pub(super) fn means(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
     let per_stretch = points.len().div_ceil(count.max(1)).max(1);
     let mean = |points: &[(f64, f64)]| {
@@ -50,7 +51,7 @@ fn extent(points: &[(f64, f64)]) -> Option<Extent> {
     }))
 }
 
-/// Leaves out points in the middle of a level stretch.
+/// Removes points in the middle of a level stretch.
 fn without_repeats(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for point in points {
@@ -79,7 +80,7 @@ mod tests {
         assert!(line.len() <= 1_800);
         assert!(line.iter().any(|(_, y)| *y == 9.0) && line.iter().any(|(_, y)| *y == -7.0));
         assert_eq!(line.first().unwrap().1, 0.0);
-        // Level stretches cost next to nothing.
+        // Level stretches need almost no points.
         assert!(line.len() < 20, "{}", line.len());
     }
 

@@ -1,5 +1,5 @@
-//! A run as a picture for a report: speed, currents, duty and supply over time, the states above them, and the phase
-//! currents of the last revolutions below.
+//! A run as a picture for a report: speed, currents, duty and supply over time, the states above them, and
+//! the phase currents of the last revolutions below.
 
 mod decimate;
 mod panel;
@@ -11,7 +11,7 @@ use panel::{Area, Axis, Curve, Panel, Shape, px};
 use plotters::prelude::*;
 use std::fmt;
 
-/// Colours that the colour-blind tell apart (Okabe and Ito, "Color Universal Design", 2008).
+/// Colours that the colour-blind can distinguish (Okabe and Ito, "Color Universal Design", 2008).
 mod colour {
     use plotters::style::RGBColor;
     pub(super) const BLACK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -24,31 +24,31 @@ mod colour {
     pub(super) const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
 }
 
-/// Stretches of time that a curve is drawn with: one for each pixel and a half of an ordinary screen.
+/// Number of stretches of time with which a curve is drawn: one for each 1.5 pixels of an ordinary screen.
 const STRETCHES: usize = 600;
 const WIDTH: u32 = 1_100;
 const TITLE_HEIGHT: u32 = 58;
 const STATES_HEIGHT: u32 = 30;
 const PANEL_HEIGHT: u32 = 220;
-/// The panel that carries the time axis for those above.
+/// Height of the panel with the time axis, which also serves the panels above.
 const LAST_PANEL_HEIGHT: u32 = 252;
 
-/// The text above the picture.
+/// Text above the picture.
 pub struct Caption<'a> {
     /// The motor.
     pub title: &'a str,
-    /// Mode, supply, load.
+    /// Mode, supply and load.
     pub subtitle: &'a str,
 }
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 #[derive(Debug, PartialEq)]
 pub enum PlotError {
     /// The trace lacks a signal.
     Missing(&'static str),
     /// The trace has fewer than two rows.
     TooShort,
-    /// The drawing library refused.
+    /// Error of the drawing library.
     Drawing(String),
 }
 
@@ -64,7 +64,8 @@ impl fmt::Display for PlotError {
 
 impl std::error::Error for PlotError {}
 
-/// Draws a trace that has at least the signals that `run.csv` promises, and in a panel of their own the displacements (mm) of the same rows.
+/// Draws a trace that has at least the signals of `run.csv`, and in a panel of their own the displacements
+/// (mm) of the same rows.
 pub fn svg(trace: &Trace, displacements: Option<&Trace>, caption: &Caption<'_>) -> Result<String, PlotError> {
     let run = Run::new(trace)?;
     let mut panels = vec![run.speed(), run.currents(), run.duty()?];
@@ -93,12 +94,12 @@ pub fn svg(trace: &Trace, displacements: Option<&Trace>, caption: &Caption<'_>) 
         };
         draw().map_err(|error| PlotError::Drawing(error.to_string()))?;
     }
-    // Drawn large, because the library places points on whole units; shown at its proper size.
+    // The drawing is large, because the library places points on whole units; it is shown at its proper size.
     let large = format!("width=\"{}\" height=\"{}\"", px(WIDTH), px(height));
     Ok(text.replacen(&large, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1))
 }
 
-/// The same picture for a page with a dark background.
+/// Returns the picture for a page with a dark background.
 pub fn dark(svg: &str) -> String {
     // Background, text, grid and the one curve whose colour is too dark.
     let colours =
@@ -114,7 +115,7 @@ fn draw_title(area: &Area<'_>, caption: &Caption<'_>) -> Result<(), panel::DrawE
     area.draw_text(caption.subtitle, &subtitle, (left, px(34) as i32))
 }
 
-/// The signals that are drawn.
+/// Signals to draw.
 struct Run<'a> {
     trace: &'a Trace,
     time: Vec<f64>,
@@ -149,9 +150,9 @@ impl<'a> Run<'a> {
     }
 
     fn time_range(&self) -> (f64, f64) {
-        // To the end of the last row's period.
+        // Up to the end of the last row's period.
         match self.time.as_slice() {
-            // A hair more, so that a round end has its number on the axis.
+            // Slightly more, so that a round end has its number on the axis.
             [first, .., before, last] => (*first, last + (last - before) * 1.000_1),
             [first, last] => (*first, *last),
             _ => (0.0, 1.0),
@@ -168,7 +169,7 @@ impl<'a> Run<'a> {
     }
 
     fn currents(&self) -> Panel {
-        // The phase currents are one band: which phase it is changes far faster than a pixel.
+        // The phase currents are one band: the conducting phase changes far faster than a pixel.
         let any_phase = |pick: fn(f64, f64) -> f64| -> Vec<f64> {
             let [a, b, c] = &self.phases;
             a.iter().zip(b).zip(c).map(|((a, b), c)| pick(pick(*a, *b), *c)).collect()
@@ -178,7 +179,7 @@ impl<'a> Run<'a> {
             extents(&points, STRETCHES)
         });
         let phases = low.iter().zip(&high).map(|(low, high)| (low.min.0, low.min.1, high.max.1)).collect();
-        // The bus current falls with every commutation: its range, and the mean that counts.
+        // The bus current falls with every commutation: its range and its mean are drawn.
         let bus = self.points("bus_current");
         let bus_range = extents(&bus, STRETCHES).iter().map(|e| (e.min.0, e.min.1, e.max.1)).collect();
         let band = |legend, colour, band| Curve { legend, colour, width: 0.0, shape: Shape::Band(band) };
@@ -206,7 +207,7 @@ impl<'a> Run<'a> {
         Ok(panel)
     }
 
-    /// Of the first TX-Drivers, from where each of them began.
+    /// Panel with the displacements of the first TX-Drivers, each from its first position.
     fn displacements(&self, trace: &Trace) -> Panel {
         const DRAWN: [(&str, RGBColor); 4] = [
             ("TX-Driver 1", colour::BLUE),
@@ -225,7 +226,7 @@ impl<'a> Run<'a> {
         Panel::new("Displacement, um from the first position", self.time_range(), axis, curves)
     }
 
-    /// The phase currents in detail, at the end of the last stretch of rotation under control.
+    /// Panel with the phase currents in detail, at the end of the last stretch of rotation under control.
     fn last_revolutions(&self) -> Panel {
         let (from, to) = self.last_sectors();
         let colours = [colour::ORANGE, colour::BLUE, colour::GREEN];
@@ -249,7 +250,7 @@ impl<'a> Run<'a> {
         Panel::new("Currents in the last electrical revolutions, A", range, Axis::around(&curves), curves)
     }
 
-    /// Rows of up to 18 sectors (three electrical revolutions) before control ended, at least 100.
+    /// Range of rows of up to 18 sectors (three electrical revolutions) before control ended, at least 100.
     fn last_sectors(&self) -> (usize, usize) {
         const ROWS_MIN: usize = 100;
         const ROWS_MAX: usize = 5_000;

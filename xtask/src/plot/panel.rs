@@ -9,31 +9,31 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Part of the picture.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// Why the library refused.
+/// Error of the drawing library.
 pub(super) type DrawError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
 
 type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 type Chart<'a> = DualCoordChartContext<'a, SVGBackend<'a>, Coordinates, Coordinates>;
 
-/// Margins left and right of every panel, so that all share one time axis.
+/// Margins left and right of every panel, so that all have the same time axis.
 pub(super) const LEFT: u32 = 64;
 pub(super) const RIGHT: u32 = 50;
-/// Head of a panel, for its title and legend.
+/// Height of a panel's head, for its title and legend.
 const HEAD: u32 = 26;
 const TIME_AXIS: u32 = 40;
-/// The library places points on whole units: four of them make a pixel.
+/// Units of the library per pixel: it places points on whole units.
 const SCALE: u32 = 4;
 
-/// Pixels in drawing units.
+/// Converts pixels to drawing units.
 pub(super) const fn px(pixels: u32) -> u32 {
     pixels * SCALE
 }
 
-/// What a curve looks like.
+/// Shape of a curve.
 pub(super) enum Shape {
     /// Points joined by a line.
     Line(Vec<(f64, f64)>),
-    /// Between two lines: x, lower, upper.
+    /// Area between two lines: x, lower, upper.
     Band(Vec<(f64, f64, f64)>),
 }
 
@@ -41,7 +41,7 @@ pub(super) enum Shape {
 pub(super) struct Curve {
     pub(super) legend: &'static str,
     pub(super) colour: RGBColor,
-    /// Pixels.
+    /// Width of the line, pixels.
     pub(super) width: f64,
     pub(super) shape: Shape,
 }
@@ -53,12 +53,12 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// From `low` to `high`.
+    /// Builds an axis from `low` to `high`.
     pub(super) const fn fixed(low: f64, high: f64) -> Self {
         Self { low, high }
     }
 
-    /// Such that all curves and zero fit with some air.
+    /// Builds an axis that contains all curves and zero, with a margin.
     pub(super) fn around(curves: &[Curve]) -> Self {
         let mut extremes = Vec::new();
         for curve in curves {
@@ -76,7 +76,7 @@ impl Axis {
 
 /// Curves over a stretch of time.
 pub(super) struct Panel {
-    /// With the unit of its axis.
+    /// Title with the unit of the axis.
     title: &'static str,
     time: (f64, f64),
     axis: Axis,
@@ -90,7 +90,7 @@ impl Panel {
         Self { title, time, axis, curves, secondary: None }
     }
 
-    /// Draws it, with a time axis if that has a name, and a faint line at each of `marks`.
+    /// Draws the panel, with a time axis if that has a name, and a faint line at each of `marks`.
     pub(super) fn draw(
         &self,
         area: &Area<'_>,
@@ -100,7 +100,7 @@ impl Panel {
         let (head, body) = area.split_vertically(px(HEAD));
         self.draw_head(&head)?;
         let second = self.secondary.as_ref().map_or(&self.axis, |(axis, _)| axis);
-        // The right margin is the same with an axis in it and without.
+        // The right margin is equal with an axis in it and without.
         let (margin, labels) = if self.secondary.is_some() { (0, px(RIGHT)) } else { (px(RIGHT), 0) };
         let mut chart = ChartBuilder::on(&body)
             .margin_top(px(3))
@@ -161,7 +161,7 @@ impl Panel {
         Ok(())
     }
 
-    /// Title on the left, legend from the right.
+    /// Draws the title on the left, and the legend from the right.
     fn draw_head(&self, area: &Area<'_>) -> Result<(), DrawError> {
         let middle = px(HEAD) as i32 / 2 + px(3) as i32;
         let left = Pos::new(HPos::Left, VPos::Center);
@@ -173,7 +173,7 @@ impl Panel {
             self.curves.iter().chain(self.secondary.iter().flat_map(|(_, curves)| curves)).collect();
         let mut x = area.dim_in_pixel().0 as i32 - px(RIGHT) as i32;
         for curve in curves.into_iter().rev() {
-            // No font is at hand to measure with; sans-serif letters are about half as wide as high.
+            // No font is available for measuring; sans-serif letters are about half as wide as high.
             x -= (curve.legend.len() as f64 * 6.6 * f64::from(SCALE)) as i32;
             area.draw_text(curve.legend, &text, (x, middle))?;
             x -= px(28) as i32;
@@ -204,10 +204,10 @@ impl Curve {
     }
 }
 
-/// A number of an axis: no more digits than it needs.
+/// Formats a number of an axis, with no more digits than it needs.
 fn number(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    // A proper minus sign, and no negative zero.
+    // A typographic minus sign, and no negative zero.
     if text == "-0" { "0".into() } else { text.replace('-', "\u{2212}") }
 }

@@ -5,7 +5,7 @@ use super::{STATES_HEIGHT, WIDTH, colour};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Name, short name and tint of states 0 to 7, as the specification names them (section 7).
+/// Name, short name and tint of states 0 to 7, as in the specification (section 7).
 const STATES: [(&str, &str, RGBColor); 8] = [
     ("Initialization", "Init", colour::GREY),
     ("Standby", "Stby", colour::GREY),
@@ -24,7 +24,7 @@ struct Stretch {
     state: usize,
 }
 
-/// Draws the band and returns when the state changed.
+/// Draws the band; returns the times at which the state changed.
 pub(super) fn draw(area: &Area<'_>, time: &[f64], state: &[f64]) -> Result<Vec<f64>, DrawError> {
     let stretches = stretches(time, state);
     let (Some(first), Some(last)) = (time.first(), time.last()) else { return Ok(Vec::new()) };
@@ -38,7 +38,7 @@ pub(super) fn draw(area: &Area<'_>, time: &[f64], state: &[f64]) -> Result<Vec<f
         let (left, right) = (place(stretch.from), place(stretch.to));
         area.draw(&Rectangle::new([(left, top), (right, bottom)], tint.mix(0.35).filled()))?;
         area.draw(&PathElement::new([(left, top), (left, bottom)], WHITE.stroke_width(px(1))))?;
-        // A letter takes about 27 units, with air on both sides.
+        // A letter takes about 27 units; a margin is left on both sides.
         let fits = |text: &&str| right - left > 27 * text.len() as i32 + px(5) as i32;
         if let Some(label) = [name, short].iter().find(|text| fits(text)) {
             area.draw_text(label, &text, ((left + right) / 2, (top + bottom) / 2))?;

@@ -18,7 +18,7 @@ const SIGNALS: [Signal; 12] = [
     Signal::single("bus_voltage", "V"),
 ];
 
-/// Boot, standby, a hall start to 3000 rpm with overshoot and noise, and a stop.
+/// Trace of boot, standby, a hall start to 3000 rpm with overshoot and noise, and a stop.
 fn made_up(rows: u32) -> Trace {
     let mut trace = Trace::new(&SIGNALS);
     let mut angle = 0.0f64;
@@ -88,7 +88,8 @@ fn what_cannot_be_drawn_is_named() {
     assert!(svg(&made_up(2), None, &caption).is_ok());
 }
 
-/// Displacements have a panel of their own, from where each of them began: before that they are not a number.
+/// Displacements have a panel of their own, in which each begins at its first position: before that it is
+/// NaN.
 #[test]
 fn displacements_have_a_panel() {
     let caption = Caption { title: "", subtitle: "" };

@@ -1,38 +1,39 @@
-//! A linked program as its disassembler shows it: functions, who calls whom, and what each does to the stack.
+//! A linked program as its disassembler shows it: functions, their calls, and the stack that each uses.
 
 use crate::driven::output;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
-/// Comes with the compiler for C.
+/// Disassembler; the package of the C compiler contains it.
 const DISASSEMBLER: &str = "arm-none-eabi-objdump";
 
 /// A function.
 #[derive(Debug, Default)]
 pub(super) struct Function {
-    /// As in the source; generic ones share a name.
+    /// Name as in the source; generic functions share a name.
     pub(super) name: String,
-    /// Starts of the functions that it calls or goes on in.
+    /// Start addresses of the functions that it calls or branches to.
     pub(super) calls: BTreeSet<u32>,
-    /// It calls what a register points at.
+    /// True if it calls a pointer in a register.
     pub(super) calls_any: bool,
-    /// It calls itself.
+    /// True if it calls itself.
     pub(super) calls_itself: bool,
-    /// Numbers in its code that may be addresses.
+    /// Numbers in its code that may be addresses of functions.
     pub(super) addresses: BTreeSet<u32>,
-    /// Bytes by which it lowers the stack pointer at most; `None` if that depends on a register.
+    /// Largest number of bytes by which it lowers the stack pointer; `None` if that depends on a register.
     pub(super) frame: Option<u32>,
-    /// Its first instruction on the registers of floating point, if only to copy.
+    /// Its first instruction on the floating-point registers, even if it only copies.
     pub(super) float: Option<String>,
 }
 
-/// Functions by their starts.
+/// Functions by their start addresses.
 #[derive(Debug, Default)]
 pub(super) struct Code {
-    /// Every one, those of the compiler's library included.
+    /// All functions, including those of the compiler's library.
     pub(super) functions: BTreeMap<u32, Function>,
-    /// Functions whose addresses stand in constants: tables of methods. Vectors the processor alone enters: who asks names them.
+    /// Functions whose addresses are constants: tables of methods. The processor alone enters the vectors of
+    /// interrupts: callers must name those as roots.
     pub(super) tables: BTreeSet<u32>,
 }
 
@@ -40,7 +41,7 @@ impl Code {
     /// Disassembles a program of a Cortex-M.
     ///
     /// # Errors
-    /// What the disassembler said.
+    /// Fails with the disassembler's message.
     pub(super) fn read(elf: &Path) -> Result<Self, String> {
         let mut objdump = Command::new(DISASSEMBLER);
         let text = output(objdump.args(["--disassemble", "--demangle", "--no-show-raw-insn"]).arg(elf))?;
@@ -73,7 +74,7 @@ impl Code {
         code
     }
 
-    /// Branches to places inside of functions become calls of these, those inside of one's own nothing.
+    /// Converts branches into functions to calls of these, and removes branches within the own function.
     fn resolve(&mut self) {
         let starts: Vec<u32> = self.functions.keys().copied().collect();
         let start = |place: u32| starts[..starts.partition_point(|start| *start <= place)].last().copied();
@@ -83,19 +84,19 @@ impl Code {
         }
     }
 
-    /// The function that a pointer of this value enters: its lowest bit says that it is Thumb code.
+    /// Function that a pointer of this value enters: the lowest bit marks Thumb code.
     pub(super) fn entry(&self, pointer: u32) -> Option<u32> {
         (pointer & 1 == 1 && self.functions.contains_key(&(pointer - 1))).then(|| pointer - 1)
     }
 
-    /// Starts of the functions whose names satisfy `is`.
+    /// Start addresses of the functions whose names satisfy `is`.
     pub(super) fn named(&self, is: impl Fn(&str) -> bool) -> Vec<u32> {
         self.functions.iter().filter(|(_, function)| is(&function.name)).map(|(at, _)| *at).collect()
     }
 
-    /// What may run once one of `roots` does. A call of a pointer may go to every function whose address stands in a constant, or in the code of
-    /// what may run.
-    /// A function whose name `ends` is where it stops.
+    /// Functions that may run once one of `roots` runs. A call of a pointer may go to every function whose
+    /// address is a constant, or is in the code of a function that may run. The search does not go beyond a
+    /// function whose name satisfies `ends`.
     pub(super) fn reachable(&self, roots: &[u32], ends: impl Fn(&str) -> bool) -> BTreeMap<u32, &Function> {
         let mut reached = BTreeMap::new();
         let mut open = roots.to_vec();
@@ -122,12 +123,12 @@ impl Code {
     }
 }
 
-/// What registers hold, by their names.
+/// Values in registers, by the registers' names.
 #[derive(Default)]
 struct Held {
     /// Lower halves of numbers.
     halves: BTreeMap<String, u32>,
-    /// Values for the stack pointer: bytes by which they lower it at most.
+    /// Values for the stack pointer: largest number of bytes by which they lower it.
     pointers: BTreeMap<String, u32>,
 }
 
@@ -136,9 +137,10 @@ impl Held {
     fn take(&mut self, kind: &str, operands: &str) {
         let register = operands.split([',', ' ']).next().unwrap_or_default().to_owned();
         let lowers = match kind {
-            // Lowest bits of a copy of the stack pointer cleared: a frame that begins at a multiple of more than 8.
+            // Clears the lowest bits of a copy of the stack pointer: a frame that begins at a multiple of
+            // more than 8.
             "bfc" => immediate(operands).map(|bits| 1 << bits),
-            // The end of such a function counts from its frame's pointer and raises it.
+            // The end of such a function computes the stack pointer from its frame pointer, and raises it.
             "sub" | "subw" if operands.contains(", r7, #") => Some(0),
             _ => None,
         };
@@ -150,7 +152,7 @@ impl Held {
 }
 
 impl Function {
-    /// Takes an instruction; `held` is what registers hold.
+    /// Takes an instruction; `held` has the values in registers.
     fn take(&mut self, operation: &str, operands: &str, held: &mut Held) {
         let kind = operation.split('.').next().unwrap_or(operation);
         let register = operands.split([',', ' ']).next().unwrap_or_default();
@@ -184,20 +186,21 @@ impl Function {
     }
 }
 
-/// `00000470 <name>:`.
+/// Parses `00000470 <name>:`.
 fn head(line: &str) -> Option<(u32, &str)> {
     let (start, name) = line.strip_suffix(">:")?.split_once(" <")?;
     Some((u32::from_str_radix(start, 16).ok()?, name))
 }
 
-/// What the linker fills gaps between functions with: d4d4, which the disassembler takes for a branch to 84 bytes before it.
+/// Returns whether a line is the linker's filler between functions: d4d4, which the disassembler shows as a
+/// branch to 84 bytes before it.
 fn is_fill(line: &str) -> bool {
     let place = line.split_once(':').and_then(|(place, _)| u32::from_str_radix(place.trim(), 16).ok());
     let branch = instruction(line).filter(|(operation, _)| *operation == "bmi.n");
     place.zip(branch).is_some_and(|(place, (_, operands))| target(operands) == place.checked_sub(84))
 }
 
-/// `    16402:<tab>bl<tab>2074 <name>` without the comment behind it.
+/// Parses `    16402:<tab>bl<tab>2074 <name>`, without the comment after it.
 fn instruction(line: &str) -> Option<(&str, &str)> {
     let mut columns = line.split('\t').skip(1);
     let operation = columns.next()?.trim();
@@ -205,13 +208,13 @@ fn instruction(line: &str) -> Option<(&str, &str)> {
     Some((operation, operands.split(" @").next().unwrap_or_default().trim()))
 }
 
-/// A branch that is come back from.
+/// Returns whether an operation is a branch that returns.
 fn is_call(operation: &str) -> bool {
     let kind = operation.split('.').next().unwrap_or(operation);
     is_branch(kind) && kind.starts_with("bl") && !["ble", "bls", "blt"].contains(&kind)
 }
 
-/// Branches with and without condition, link and change of state.
+/// Returns whether an operation is a branch, with or without condition, link and change of state.
 fn is_branch(kind: &str) -> bool {
     const CONDITIONS: [&str; 15] =
         ["", "eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le"];
@@ -222,29 +225,30 @@ fn is_branch(kind: &str) -> bool {
         || kind.strip_prefix('b').is_some_and(|condition| CONDITIONS.contains(&condition))
 }
 
-/// The place that a branch names.
+/// Address that a branch names.
 fn target(operands: &str) -> Option<u32> {
     let (place, _) = operands.split_once(" <")?;
     u32::from_str_radix(place.rsplit(' ').next()?, 16).ok()
 }
 
-/// `0x1234`.
+/// Parses `0x1234`.
 fn number(text: &str) -> Option<u32> {
     u32::from_str_radix(text.strip_prefix("0x")?, 16).ok()
 }
 
-/// The number behind `#`.
+/// Parses the number after `#`.
 fn immediate(operands: &str) -> Option<u32> {
     operands.rsplit_once('#')?.1.parse().ok()
 }
 
-/// A jump by the program counter; from the stack it is a return.
+/// Returns whether an instruction loads the program counter and so jumps; from the stack it is a return.
 fn loads_the_counter(kind: &str, operands: &str) -> bool {
     let from = operands.strip_prefix("pc, ");
     from.is_some_and(|from| kind == "mov" || (kind.starts_with("ldr") && !from.starts_with("[sp")))
 }
 
-/// Bytes by which an instruction lowers the stack pointer, if it does; `Some(None)` if that depends on a register.
+/// Number of bytes by which an instruction lowers the stack pointer, if it does; `Some(None)` if that depends
+/// on a register.
 fn lowered(kind: &str, operands: &str) -> Option<Option<u32>> {
     let from = operands.strip_prefix("sp, ");
     match kind {
@@ -255,7 +259,7 @@ fn lowered(kind: &str, operands: &str) -> Option<Option<u32>> {
             let bytes = operands.trim_end_matches("]!").rsplit_once("#-")?.1;
             Some(bytes.parse().ok())
         }
-        // An end of a function that counts from its frame's pointer raises it.
+        // The end of a function that computes the stack pointer from its frame pointer raises it.
         "sub" | "subw" | "subs" if from.is_some_and(|from| !from.starts_with("r7")) => {
             Some(immediate(operands))
         }
@@ -264,7 +268,7 @@ fn lowered(kind: &str, operands: &str) -> Option<Option<u32>> {
     }
 }
 
-/// How many registers a list has: `{r4, r5, lr}`, `{d8-d9}`.
+/// Number of registers in a list: `{r4, r5, lr}`, `{d8-d9}`.
 fn registers(operands: &str) -> u32 {
     let list = operands.trim_start_matches("sp!, ").trim_matches(['{', '}']);
     let digits = |name: &str| name.trim_start_matches(|c: char| !c.is_ascii_digit()).parse::<u32>().ok();
@@ -275,7 +279,7 @@ fn registers(operands: &str) -> u32 {
     list.split(", ").map(count).sum()
 }
 
-/// The words of the sections that hold constants, as the disassembler prints them.
+/// Words of the sections with constants, as the disassembler prints them.
 fn words(contents: &str) -> impl Iterator<Item = u32> {
     let mut constants = false;
     contents.lines().flat_map(move |line| {
@@ -296,7 +300,8 @@ fn words(contents: &str) -> impl Iterator<Item = u32> {
 mod tests {
     use super::{Code, words};
 
-    /// An interrupt that calls, goes on elsewhere and jumps by a table; a function that is only pointed at; one that comes back to itself.
+    /// An interrupt that calls, branches to another function and jumps by a table; a function of which only
+    /// the address is used; a function that calls itself through another.
     const TEXT: &str = "\
 00000400 <interrupt>:
      400:\tpush\t{r4, r5, r7, lr}

@@ -1,33 +1,36 @@
-//! How much stack is enough: the frames on the longest path of calls.
+//! Bound of the stack: the frames on the longest path of calls.
 
 use super::code::{Code, Function};
 use std::collections::BTreeMap;
 
-/// What the disassembly does not say, and somebody has read in the sources.
+/// Facts that the disassembly does not show, and that were read in the sources.
 pub(super) struct Known {
-    /// Where calls of what a register points at go, by a part of the caller's name; the first that fits.
+    /// Targets of calls of a pointer in a register, by a part of the caller's name; the first match counts.
     pub(super) pointers: &'static [(&'static str, &'static [Goes])],
-    /// How often a function can be on one path, by the end of its name. Others come back only by way of one of these.
+    /// Largest number of times that a function can be on one path, by the end of its name. Others can be on a
+    /// path again only with one of these between.
     pub(super) nested: &'static [(&'static str, usize)],
 }
 
 impl Known {
-    /// No pointers, and nothing twice.
+    /// No calls of pointers, and no function twice on a path.
     pub(super) const NOTHING: Self = Self { pointers: &[], nested: &[] };
 }
 
-/// Where a call of what a register points at goes.
+/// Target of a call of a pointer in a register.
 pub(super) enum Goes {
-    /// To a function whose address the caller's own code holds: it stays in a register for many calls.
+    /// A function whose address is in the caller's own code: it stays in a register for many calls.
     Own,
-    /// To a function with this in its name.
+    /// Functions with this in their name.
     To(&'static str),
 }
 
-/// Most bytes of stack below the caller of the function at `root`; a function whose name `ends` takes none.
+/// Largest number of bytes of stack below the caller of the function at `root`; a function whose name
+/// satisfies `ends` takes none.
 ///
 /// # Errors
-/// There is no bound: a name that calls itself, a pointer of which nothing is known, or a frame of no fixed size.
+/// Fails if there is no bound: a function that calls itself, an unknown target of a pointer, or a frame
+/// without a fixed size.
 pub(super) fn depth(code: &Code, root: u32, known: &Known, ends: fn(&str) -> bool) -> Result<u32, String> {
     Search { code, known, ends, called: BTreeMap::new(), found: BTreeMap::new(), path: Vec::new() }
         .below(root)
@@ -37,9 +40,9 @@ struct Search<'a> {
     code: &'a Code,
     known: &'a Known,
     ends: fn(&str) -> bool,
-    /// Whom each function calls.
+    /// Functions that each function calls.
     called: BTreeMap<u32, Vec<u32>>,
-    /// Bytes by the function and the nested ones above it, on which they depend.
+    /// Bytes by the function and the nested functions above it, on which they depend.
     found: BTreeMap<(u32, Vec<u32>), u32>,
     path: Vec<u32>,
 }
@@ -92,7 +95,7 @@ impl Search<'_> {
         self.code.functions.get(&at).is_some_and(|function| self.times(function).is_some())
     }
 
-    /// Those on the path that may be there more than once, in order of their addresses.
+    /// Functions on the path that may be there more than once, in order of their addresses.
     fn nested_above(&self) -> Vec<u32> {
         let mut nested: Vec<u32> = self.path.iter().copied().filter(|at| self.is_nested(*at)).collect();
         nested.sort_unstable();
@@ -123,7 +126,7 @@ mod tests {
     use super::{Goes, Known, depth};
     use crate::proof::code::Code;
 
-    /// A loop that calls by a pointer of its own and by one from elsewhere; two functions that call each other.
+    /// A loop that calls a pointer of its own and one from elsewhere; two functions that call each other.
     const TEXT: &str = "\
 00000400 <background>:
      400:\tsub\tsp, #16

@@ -1,5 +1,6 @@
-//! What is proven of linked programs: where no panic, no text and no floating point can be reached, and how much stack is enough. What is left, texts and async functions
-//! that are polled after their end, is a golden list in `tests/golden/proof.toml`.
+//! Proofs about linked programs: entry points from which no panic, no text and no floating point can be
+//! reached, and a sufficient size of the stack. The remaining texts, and async functions that are polled
+//! after their end, are a golden list in `tests/golden/proof.toml`.
 
 mod code;
 mod depth;
@@ -19,7 +20,7 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What is proven, and what is left.
+/// File with the proven properties, and the remaining exceptions.
 pub const GOLDEN: &str = "tests/golden/proof.toml";
 const HEAD: &str = "\
 # What is left where a proof ends, by `cargo xtask proof`; compared by `cargo xtask test firmware`. A name stands for all functions of that name.
@@ -38,19 +39,21 @@ const HEAD: &str = "\
 #                   poll a future of their own until it is ready and drop it.
 # unsafe  files that contain the word.
 ";
-/// The processor saves 8 words for an interrupt, and 18 of floating point where that was in use (ARMv7-M Architecture Reference Manual, B1.5.6).
+/// Bytes that the processor saves for an interrupt: 8 words, and 18 of floating point where that was in use
+/// (ARMv7-M Architecture Reference Manual, B1.5.6).
 const EXCEPTION_FRAME: u32 = 4 * (8 + 18);
 
-/// `cargo xtask proof [--check]`.
+/// Runs `cargo xtask proof [--check]`.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     let built = firmware::build(root).and_then(|_| regenerate(root, check));
     steps::finish(built)
 }
 
-/// Proves what images and library that [`firmware::build`] has made promise, and writes the golden file or with `check` compares it.
+/// Proves the properties of the images and the library that [`firmware::build`] has made, and writes the
+/// golden file or, with `check`, compares it.
 ///
 /// # Errors
-/// What is not so, or not as the golden file says.
+/// Fails with a property that does not hold, or that differs from the golden file.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     NARX.build(root, Some(Processor::CortexM4F))?;
@@ -100,11 +103,11 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     }
 }
 
-/// Where the image qemu is once it has booted: the background for ever, and what interrupts it.
+/// Entry points of the image qemu after its boot: the background loop, and the interrupts.
 const AFTER_BOOT: [&str; 6] =
     ["Background<B>::run", "PendSV", "SysTick", "DefaultHandler", "NonMaskableInt", "HardFault"];
 
-/// What is known of the control interrupt.
+/// Properties of the control interrupt.
 struct Tick {
     functions: usize,
     stack: u32,
@@ -139,7 +142,7 @@ impl Tick {
     }
 }
 
-/// Links every call of the C interface but those of the storage, and looks for what panics.
+/// Links every call of the C interface but those of the storage, and checks that none can panic.
 fn prove_core(root: &Path) -> Result<(), String> {
     let program = sizes::link(root, Processor::CortexM4F, |call| !call.starts_with("narx_storage_"))?;
     let code = Code::read(&program)?;
@@ -155,7 +158,8 @@ fn refuse_panics(what: &str, callers: &[String]) -> Result<(), String> {
     if callers.is_empty() { Ok(()) } else { Err(format!("{what} can panic:\n  {}\n", callers.join("\n  "))) }
 }
 
-/// Names of what runs once one of `roots` does, and calls a function that `is` one of a kind without being one. What is behind a panic does not count.
+/// Names of the functions that may run once one of `roots` runs, and that call a function that satisfies `is`
+/// without satisfying it themselves. Code after a panic does not count.
 fn callers(code: &Code, roots: &[u32], is: fn(&str) -> bool) -> Vec<String> {
     let calls = |function: &Function| {
         function.calls.iter().any(|at| code.functions.get(at).is_some_and(|called| is(&called.name)))
@@ -167,7 +171,7 @@ fn callers(code: &Code, roots: &[u32], is: fn(&str) -> bool) -> Vec<String> {
     found.map(|function| function.name.clone()).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// What ends in the panic handler, and that itself.
+/// Returns whether a function is the panic handler, or ends in it.
 fn is_panic(name: &str) -> bool {
     const PARTS: [&str; 8] = [
         "core::panicking::",
@@ -182,7 +186,8 @@ fn is_panic(name: &str) -> bool {
     PARTS.iter().any(|part| name.contains(part)) && !name.starts_with('<')
 }
 
-/// What the compiler writes into every async function: that it is polled once more after its end.
+/// Returns whether a function is the panic of an async function that is polled again after its end; the
+/// compiler writes it into every async function.
 fn is_resumed(name: &str) -> bool {
     name.contains("core::panicking::panic_const::panic_const_async_fn_resumed")
 }
@@ -191,12 +196,13 @@ fn is_other_panic(name: &str) -> bool {
     is_panic(name) && !is_resumed(name)
 }
 
-/// What makes texts.
+/// Returns whether a function formats texts.
 fn is_text(name: &str) -> bool {
     ["core::fmt::", "core::fmt::Formatter"].iter().any(|part| name.trim_start_matches('<').starts_with(part))
 }
 
-/// Floating point in software (Arm, *Run-time ABI for the Arm Architecture*, 5.1.2).
+/// Returns whether a function is floating point in software (Arm, *Run-time ABI for the Arm Architecture*,
+/// 5.1.2).
 fn is_float(name: &str) -> bool {
     const HELPERS: [&str; 6] = ["f", "d", "i2", "ui2", "l2", "ul2"];
     name.contains("compiler_builtins::float")

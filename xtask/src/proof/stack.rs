@@ -1,4 +1,5 @@
-//! Stacks of the emulated board's images: bounds of all that runs there, and of single calls, which are compared with what was measured of these.
+//! Stacks of the emulated board's images: bounds of everything that runs there, and of single calls, which
+//! are compared with their measured stacks.
 
 use super::code::Code;
 use super::depth::{Goes, Known, depth};
@@ -6,16 +7,17 @@ use super::{EXCEPTION_FRAME, is_panic};
 use std::fs;
 use std::path::Path;
 
-/// Where texts go to: a semihosting host, a frame of the description, and who counts its length.
+/// Sinks of texts: a semihosting host, a frame of the description, and a counter of its length.
 const SINK: Goes = Goes::To("as core::fmt::Write>::write_str");
 const CHARACTERS: Goes = Goes::To("core::fmt::Write::write_char");
-/// A text with numbers in it, by the sink's table of functions.
+/// A text with numbers in it, which goes through the sink's table of functions.
 const PIECES: Goes = Goes::To("core::fmt::Write::write_fmt");
 
-/// What calls a pointer in the images, and where that goes. There is no executor: the loop polls the one task that there is, by its name.
+/// Callers of a pointer in the images, and the targets. There is no executor: the loop polls the only task by
+/// its name.
 const KNOWN: Known = Known {
     pointers: &[
-        // A text's pieces: whoever shows himself, or the sink itself.
+        // Pieces of a text: the formatting of a value, or the sink itself.
         (
             "core::fmt::write",
             &[
@@ -26,7 +28,7 @@ const KNOWN: Known = Known {
                 CHARACTERS,
             ],
         ),
-        // Sections of the description, by a table of functions; these write.
+        // Sections of the description, from a table of functions; these write.
         (
             "Document>::write_line",
             &[
@@ -44,25 +46,28 @@ const KNOWN: Known = Known {
         ("core::iter::traits::iterator::Iterator::try_for_each::call", &[SINK, CHARACTERS, PIECES]),
         ("core::fmt::", &[SINK, CHARACTERS]),
         ("narx_sim::shown::fixed", &[SINK, CHARACTERS]),
-        // A checkpoint of the drive, a stored item: few functions, each called so often that its address stays in a register.
+        // A checkpoint of the drive, or a stored item: few functions, each called so often that its address
+        // stays in a register.
         ("postcard::ser::", &[Goes::Own]),
         ("Drive>::write_state", &[Goes::Own]),
         ("store_item_inner", &[Goes::Own]),
     ],
     nested: &[
-        // A text in a text: an error, what is wrong in it, its number.
+        // A text within a text: an error, its detail, and a number in that.
         ("core::fmt::write", 4),
-        // Structures in lines of their own: one in another is more than anybody prints.
+        // Structures on lines of their own: no more than one within another is printed.
         ("PadAdapter as core::fmt::Write>::write_str", 2),
-        // The motor's circuit begins its interval anew when the idle one of its three legs begins to conduct; no other one is left then.
+        // The motor's circuit begins its interval anew when the idle one of its three legs begins to conduct;
+        // no other idle leg is left then.
         ("Stage>::interval", 2),
         ("Stage>::start_idle_leg", 1),
     ],
 };
 
-/// What runs in the image qemu besides its main program, each of which may interrupt the one before it.
+/// Interrupts of the image qemu beside its main program; each may interrupt the one before it.
 const INTERRUPTS: [&str; 4] = ["SysTick", "DefaultHandler", "PendSV", "NonMaskableInt"];
-/// Calls of a shell, measured by `firmware/src/bin/stack.rs`: name, and the functions there by the ends of their names.
+/// Calls of a shell, measured by `firmware/src/bin/stack.rs`: name, and the functions there by the ends of
+/// their names.
 const CALLS: [(&str, &[&str]); 5] = [
     ("tick", &["stack::image::step"]),
     ("background", &["narx_core::device::Background::run"]),
@@ -75,10 +80,11 @@ const CALLS: [(&str, &[&str]); 5] = [
 ];
 const MEASURED: &str = "tests/golden/instructions.toml";
 
-/// Names and bytes: the background loop of the image qemu, the whole program with all interrupts at once, and single calls in the image stack.
+/// Returns names and bytes: the background loop of the image qemu, the whole program with all interrupts at
+/// once, and single calls in the image stack.
 ///
 /// # Errors
-/// There is no bound, or something took more than its bound when it was measured.
+/// Fails if there is no bound, or if a measured stack exceeds its bound.
 pub(super) fn bounds(root: &Path, drive: &Code, calls: &Code) -> Result<Vec<(&'static str, u32)>, String> {
     let background = deepest(drive, |name| name.contains("Background<B>::run_with"))?;
     let mut program = deepest(drive, |name| name == "Reset")?;
@@ -101,7 +107,7 @@ pub(super) fn bounds(root: &Path, drive: &Code, calls: &Code) -> Result<Vec<(&'s
     Ok(rows)
 }
 
-/// The most of all functions with such a name.
+/// Largest bound of all functions with such a name.
 fn deepest(code: &Code, is: impl Fn(&str) -> bool) -> Result<u32, String> {
     let named = code.named(is);
     let bounds: Result<Vec<u32>, String> =

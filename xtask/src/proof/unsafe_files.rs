@@ -1,18 +1,18 @@
-//! Which files contain `unsafe`: bindings to C and boards, nothing else.
+//! Files that contain `unsafe`: bindings to C and boards, nothing else.
 
 use std::fs;
 use std::path::Path;
 
-/// Crates that must not.
+/// Crates that must not contain it.
 const SAFE: [&str; 3] = ["core/src", "sim/src", "sim/host/src"];
-/// Folders of those that may, each in the files that the golden list names.
+/// Folders that may contain it, in the files that the golden list names.
 const FIRMWARE: &str = "firmware";
 const BOARDS: [&str; 3] = ["firmware/src/boards/", "firmware/src/bin/", "firmware/b-g431b-esc1/"];
 
-/// The firmware's files with `unsafe` in their code.
+/// Files of the firmware with `unsafe` in their code.
 ///
 /// # Errors
-/// One is no file of a board, or a crate that must not has one.
+/// Fails if one is not a file of a board, or if a crate that must not contain it does.
 pub(super) fn find(root: &Path) -> Result<Vec<String>, String> {
     for directory in SAFE {
         if let Some(file) = files_with(root, &root.join(directory))?.first() {
@@ -44,7 +44,7 @@ fn files_with(root: &Path, directory: &Path) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// A line with the word outside of its comment, and not as part of another.
+/// Returns whether a line has the word outside of a comment, and not as part of another word.
 fn is_unsafe(line: &str) -> bool {
     let code = line.split("//").next().unwrap_or(line);
     code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "unsafe")

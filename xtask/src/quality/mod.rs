@@ -1,5 +1,6 @@
-//! Control quality: what narx promises of its control, on every motor of the market that comes with it and on random motors, in both closed loops, as
-//! percentiles. What misses a promise is listed with the command that runs it again.
+//! Control quality: the promises of narx about its control, on every motor of the market that comes with it
+//! and on random motors, in both closed loops, as percentiles. A miss of a promise is listed with the command
+//! that runs it again.
 
 mod motor;
 mod physics;
@@ -19,21 +20,22 @@ use std::time::Instant;
 /// Arguments of `quality`.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Random motors
+    /// Number of random motors
     #[arg(long, default_value_t = 1_000)]
     pub motors: u64,
-    /// Run one random motor again, by its seed, and tell every run
+    /// Run one random motor again, by its seed, and print every run
     #[arg(long, conflicts_with = "motor")]
     pub case: Option<u64>,
-    /// Run one motor of the market, by its name, and tell every run
+    /// Run one motor of the market, by its name, and print every run
     #[arg(long)]
     pub motor: Option<String>,
-    /// Where the figures go
+    /// File for the figures
     #[arg(long, default_value = "docs/evidence/quality.json")]
     pub out: PathBuf,
 }
 
-/// Measures and writes; exit code 1 if a file cannot be written, or if one motor was asked for and missed a promise.
+/// Measures and writes; exit code 1 if a file cannot be written, or if a single motor was requested and
+/// missed a promise.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     let outcome = match (arguments.case, &arguments.motor) {
         (Some(seed), _) => motor::random(seed)
@@ -60,7 +62,7 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// These motors of the market, and so many random ones: seeds 0 and on.
+/// Measures these motors of the market, and `motors` random ones, with seeds from 0.
 pub fn measure(presets: &[&Preset], motors: u64) -> Quality {
     let of_market: Vec<Subject> = presets.iter().map(|preset| motor::of_market(preset)).collect();
     let seeds: Vec<u64> = (0..motors).collect();
@@ -77,7 +79,7 @@ pub fn measure(presets: &[&Preset], motors: u64) -> Quality {
     quality
 }
 
-/// Every run of one motor; true if none missed a promise.
+/// Prints every run of one motor; returns true if none missed a promise.
 fn tell(subject: &Subject) -> bool {
     println!("{:#?}\nsupply: {:.2} V", subject.preset.motor, subject.supply);
     let mut quality = Quality::new(0, 0);

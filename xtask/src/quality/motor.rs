@@ -1,4 +1,4 @@
-//! Random motors: not those of the market with errors, but any motor that a data sheet could print.
+//! Random motors: not those of the market with deviations, but any motor that a data sheet could describe.
 
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig};
@@ -6,30 +6,31 @@ use narx_sim::presets::{DataSheet, Preset};
 use narx_sim::random::Random;
 use std::f64::consts::TAU;
 
-/// A motor and where it is to run.
+/// A motor and its operating conditions.
 #[derive(Clone, Debug)]
 pub(super) struct Subject {
     pub(super) preset: Preset,
-    /// V.
+    /// Supply voltage, V.
     pub(super) supply: f64,
-    /// Place of the set-point in the promised speeds that the motor allows, 0 to 1 in their logarithm; without one all of
-    /// [`ELECTRICAL_RPM`].
+    /// Position of the set-point within the promised speeds that the motor allows, 0 to 1 on a logarithmic
+    /// scale; `None` for all of [`ELECTRICAL_RPM`].
     pub(super) place: Option<f64>,
-    /// What repeats its runs.
+    /// Command that repeats its runs.
     pub(super) command: String,
 }
 
-/// 500 to 4000 rpm with 4 pole pairs: the speeds of the promise.
+/// Electrical speeds of the promise: 500 to 4000 rpm with 4 pole pairs.
 pub(super) const ELECTRICAL_RPM: [f64; 4] = [2_000.0, 4_000.0, 8_000.0, 16_000.0];
 
-/// The random motor of a seed. It is drawn again until commissioning takes it in both modes, which one of a thousand draws ends; should none
-/// do, there is no motor.
+/// Draws the random motor of a seed. It draws again until commissioning accepts the motor in both modes, at
+/// most a thousand times; if none is accepted, there is no motor.
 pub(super) fn random(seed: u64) -> Option<Subject> {
     let mut random = Random::new(seed);
     (0..1_000).find_map(|_| draw(&mut random, seed))
 }
 
-/// A motor follows from what it is for (power, speed, supply) and from ratios that do not depend on size:
+/// Draws a motor. It follows from its purpose (power, speed, supply) and from ratios that do not depend on
+/// size:
 ///
 /// | drawn | from | to | |
 /// |---|---|---|---|
@@ -90,7 +91,7 @@ fn draw(random: &mut Random, seed: u64) -> Option<Subject> {
     Some(Subject { preset, supply, place: Some(place), command })
 }
 
-/// A motor of the market at its nominal supply.
+/// A motor of the market, at its nominal supply.
 pub(super) fn of_market(preset: &Preset) -> Subject {
     Subject {
         preset: *preset,

@@ -1,29 +1,33 @@
-//! What physics leaves of a motor's signs of life, by its data: where no drive without sensors can do what it does elsewhere.
+//! Physical limits of sensorless control by a motor's data: conditions under which the rotor's signals are
+//! too weak or too late for any drive without sensors.
 //!
-//! And why a load that grows with the square of the speed takes its time at low speed: with `B = 2 T / w` its slope makes the motor `(1 / k) / (tau s + 1 + q)`,
-//! `q = R B / k^2`, while the controller's zero stays at `1 / tau`. The loop then closes at about `wc / (1 + q)` instead of `wc`: q is 14 for a motor
-//! of 30 % loss at 4 % of its no-load speed, and the last per cent takes seconds.
+//! It also follows why a load that grows with the square of the speed takes long at low speed: with `B = 2 T
+//! / w` its slope makes the motor `(1 / k) / (tau s + 1 + q)`, `q = R B / k^2`, while the controller's zero
+//! stays at `1 / tau`. The loop then closes at about `wc / (1 + q)` instead of `wc`: q is 14 for a motor of
+//! 30 % loss at 4 % of its no-load speed, and the last per cent takes seconds.
 
 use narx_sim::plant::MotorConfig;
 use std::f64::consts::TAU;
 
 /// Control tick, s.
 const TICK: f64 = 1e-4;
-/// Bandwidth that commissioning gives the speed loop, rad/s: 0.7 of 2000 electrical revolutions a minute.
+/// Bandwidth that commissioning gives the speed loop, rad/s: 0.7 of 2000 electrical revolutions per minute.
 const BANDWIDTH: f64 = 0.7 * 2_000.0 / 60.0;
-/// Share of the speed that a load step may take before the speed loop answers.
+/// Share of the speed that a load step may take away before the speed loop responds.
 const DEEP: f64 = 0.5;
 
-/// How long a phase that was switched off still conducts: until then its terminal shows a diode, not the back-EMF.
+/// Time for which a phase still conducts after it was switched off: during it the terminal shows a diode, not
+/// the back-EMF.
 pub(super) struct Hidden {
-    /// Electrical degrees of the 60 of a step; the crossing is at 30.
+    /// Electrical degrees, out of the 60 of a step; the crossing is at 30.
     pub(super) degrees: f64,
-    /// The same of two ticks: one before the crossing, one behind.
+    /// Electrical degrees of two ticks: one before the crossing, one after it.
     samples: f64,
 }
 
 impl Hidden {
-    /// At a torque, N m, and a speed, rpm. The current falls by `(D V + 2 e) / 3 L` of a phase, with `D V = R I + k w` and `2 e = k w`.
+    /// Computes it for a torque, N m, and a speed, rpm. The current falls by `(D V + 2 e) / 3 L` of a phase,
+    /// with `D V = R I + k w` and `2 e = k w`.
     pub(super) fn new(motor: &MotorConfig, torque: f64, rpm: f64) -> Self {
         let speed = rpm * TAU / 60.0;
         let current =
@@ -34,21 +38,22 @@ impl Hidden {
         Self { degrees: seconds * degrees_per_second, samples: 2.0 * TICK * degrees_per_second }
     }
 
-    /// The crossing itself, or the last sample before it.
+    /// Returns whether it hides the crossing itself, or the last sample before it.
     pub(super) fn is_crossing(&self) -> bool {
         self.degrees + self.samples > 30.0
     }
 }
 
-/// How far a load step takes the speed down before the speed loop brings it back.
+/// Loss of speed in a load step before the speed loop brings it back.
 pub(super) struct Plunge {
-    /// Of the speed.
+    /// Share of the speed.
     pub(super) share: f64,
 }
 
 impl Plunge {
-    /// At a torque, N m, and a speed, rpm. From load to speed the closed loop is `(R / k^2) s / ((tau s + 1) (s + wc))`, whose answer to a step is deepest
-    /// by `T R / k^2 (wc tau)^(wc tau / (1 - wc tau))`.
+    /// Computes it for a torque, N m, and a speed, rpm. From load to speed the closed loop is `(R / k^2) s /
+    /// ((tau s + 1) (s + wc))`, whose response to a step is deepest by `T R / k^2 (wc tau)^(wc tau / (1 - wc
+    /// tau))`.
     pub(super) fn new(motor: &MotorConfig, torque: f64, rpm: f64) -> Self {
         let square = motor.torque_constant * motor.torque_constant;
         let x = BANDWIDTH * motor.inertia * motor.resistance / square;
@@ -57,7 +62,7 @@ impl Plunge {
         Self { share: torque * motor.resistance / square * depth / (rpm * TAU / 60.0) }
     }
 
-    /// So deep that the crossings come too late to be told from none.
+    /// Returns whether the crossings come so late that they cannot be distinguished from missing ones.
     pub(super) fn is_deep(&self) -> bool {
         self.share > DEEP
     }
@@ -67,7 +72,8 @@ impl Plunge {
 mod tests {
     use super::*;
 
-    /// The equation against a plain integration of what it is of: a motor without inductance, and a PI whose zero cancels its pole.
+    /// The equation matches a numerical integration of its system: a motor without inductance, and a PI
+    /// controller whose zero cancels the motor's pole.
     #[test]
     fn a_plunge_is_as_deep_as_the_loop_lets_it() {
         for (inertia, resistance, constant) in [(5e-7, 14.0, 0.036), (6e-5, 1.7, 0.048), (1.1e-3, 0.8, 0.18)]

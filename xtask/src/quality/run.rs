@@ -1,4 +1,4 @@
-//! What a motor does in a mode: steady running without and with load, and a load step.
+//! Runs of a motor in a mode: steady running without and with load, and a load step.
 
 use super::motor::{ELECTRICAL_RPM, Subject};
 use super::physics::{Hidden, Plunge};
@@ -6,10 +6,10 @@ use crate::bench::load_step;
 use crate::bench::{Figures, Point};
 use narx_sim::commissioning::Mode;
 
-/// The modes with a closed loop.
+/// Control modes with a closed loop.
 pub(super) const MODES: [Mode; 2] = [Mode::Hall, Mode::Sensorless];
 
-/// A metric of CONTROL's promises: its name, unit, bound, and what it is of a run.
+/// A metric of CONTROL's promises: name, unit, bound, and its value in the figures of a run.
 pub(super) struct Metric {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
@@ -17,7 +17,7 @@ pub(super) struct Metric {
     pub(super) of: fn(&Figures) -> f64,
 }
 
-/// Every metric of steady running.
+/// All metrics of steady running.
 pub(super) const METRICS: [Metric; 6] = [
     Metric { name: "Drive request to closed loop", unit: "s", most: 0.8, of: |f| f.to_closed_loop },
     Metric { name: "steady speed error, mean", unit: "%", most: 0.5, of: |f| 100.0 * f.error.abs() },
@@ -27,33 +27,34 @@ pub(super) const METRICS: [Metric; 6] = [
     Metric { name: "phase current, peak", unit: "A", most: 12.6, of: |f| f.peak_current },
 ];
 
-/// What came of a point.
+/// Result of a run at a point.
 pub(super) enum Outcome {
-    /// The drive's limits do not allow it: nothing was run.
+    /// The drive's limits do not allow the point: nothing was run.
     Limited(String),
-    /// Its figures.
+    /// Figures of steady running.
     Steady(Figures),
-    /// Seconds until a load step was mended.
+    /// Time until the speed had recovered from a load step, s.
     Step(f64),
-    /// A start or a speed that did not come about, or a step that cost the synchronism.
+    /// The motor did not start or did not reach its speed, or lost synchronism in a load step.
     Lost(String),
 }
 
-/// Seconds from the set-point to what counts: under a heavy load at low speed the last per cent takes as long (`physics.rs`).
+/// Time from the set-point to the measurement, s: under a heavy load at low speed the last per cent takes
+/// this long (`physics.rs`).
 const SETTLE: f64 = 3.0;
 
 /// One run.
 pub(super) struct Run {
     pub(super) mode: Mode,
-    /// Physics leaves a drive without sensors nothing to see there: judged apart.
+    /// True if physics leaves no usable signal to a drive without sensors: such runs are judged apart.
     pub(super) unseen: bool,
-    /// What, where.
+    /// Description: motor, mode, supply, speed and load.
     pub(super) what: String,
     pub(super) outcome: Outcome,
     pub(super) command: String,
 }
 
-/// Every run of a motor.
+/// Runs everything for a motor.
 pub(super) fn runs(subject: &Subject) -> Vec<Run> {
     let mut runs = Vec::new();
     for mode in MODES {
@@ -69,7 +70,8 @@ pub(super) fn runs(subject: &Subject) -> Vec<Run> {
     runs
 }
 
-/// Electrical rpm at a place between the slowest and the fastest that are promised and that the motor's limits allow.
+/// Electrical rpm at a position between the slowest promised speed and the fastest that is promised and that
+/// the motor's limits allow.
 fn set_point(subject: &Subject, mode: Mode, load: f64, place: f64) -> f64 {
     let poles = f64::from(subject.preset.motor.pole_pairs);
     let most = point(subject, mode, load, None).speed_max().unwrap_or(f64::INFINITY) * poles;
@@ -103,7 +105,7 @@ fn steady(subject: &Subject, mode: Mode, load: f64, electrical: f64) -> Run {
     Run { mode, unseen, what, outcome, command: subject.command.clone() }
 }
 
-/// No load to rated torque at once, in the middle of the range.
+/// Runs a load step from no load to rated torque at once, in the middle of the range.
 fn step(subject: &Subject, mode: Mode) -> Run {
     let point = point(subject, mode, 1.0, None);
     let mut what = format!("{} {}, {:.1} V, load step", subject.preset.name, mode.name(), subject.supply);

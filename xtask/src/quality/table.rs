@@ -1,4 +1,4 @@
-//! Percentiles of all runs, and what missed a promise.
+//! Percentiles of all runs, and the misses of promises.
 
 use super::run::{METRICS, MODES, Outcome, Run};
 use crate::bench::load_step;
@@ -7,66 +7,66 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// Everything that was measured.
+/// All results of the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// What measures it again.
+    /// Command that measures again.
     pub command: String,
-    /// Random motors that were asked for.
+    /// Number of random motors that were requested.
     pub asked: u64,
-    /// Random motors that were drawn.
+    /// Number of random motors that were drawn.
     pub motors: u64,
     /// A row for each population, mode and metric.
     pub rows: Vec<Row>,
-    /// What missed a promise.
+    /// Misses of promises.
     pub failures: Vec<Failure>,
 }
 
 /// A metric of a population in a mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Which motors.
+    /// Population of motors.
     pub of: String,
-    /// Which control mode.
+    /// Control mode.
     pub mode: String,
-    /// What.
+    /// Name of the metric.
     pub metric: String,
     /// Its unit.
     pub unit: String,
-    /// The bound that is promised.
+    /// Promised bound.
     pub most: f64,
-    /// Runs that have the figure.
+    /// Number of runs that have the figure.
     pub runs: u64,
-    /// Runs beyond the bound.
+    /// Number of runs beyond the bound.
     pub outside: u64,
-    /// Half of the runs are below.
+    /// Median of the runs.
     pub median: f64,
-    /// 95 of 100 are below.
+    /// 95th percentile.
     pub p95: f64,
-    /// 99 of 100 are below.
+    /// 99th percentile.
     pub p99: f64,
-    /// None is above.
+    /// Largest value.
     pub worst: f64,
 }
 
 /// A run that missed a promise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Which run, and what it missed.
+    /// Description of the run, and the missed promise.
     pub what: String,
-    /// What runs it again.
+    /// Command that runs it again.
     pub command: String,
 }
 
 /// The metric of load steps.
 const STEP: &str = "load step of rated torque, within 1 % again";
-/// Runs that did not come about.
+/// The metric of runs that did not reach their point.
 const LOST: &str = "runs that lost step or never reached their speed";
-/// Runs that limits forbid.
+/// The metric of runs that the drive's limits forbid.
 const LIMITED: &str = "points that the drive's limits forbid";
 
 impl Row {
-    /// Whether anybody promised it: what limits forbid is only counted.
+    /// Returns whether the row is a promise: points that limits forbid are only counted.
     pub fn is_promise(&self) -> bool {
         self.metric != LIMITED
     }
@@ -102,7 +102,7 @@ impl Quality {
             let lost = tried.map(|run| flag(matches!(run.outcome, Outcome::Lost(_)), *run));
             self.add(of, mode.name(), LOST, "", 0.0, lost.collect());
             let limited = runs.iter().map(|run| flag(matches!(run.outcome, Outcome::Limited(_)), *run));
-            // Not a promise, but how much of what was drawn the figures are of.
+            // Not a promise: it shows to which part of the drawn points the figures apply.
             self.add(of, mode.name(), LIMITED, "", 1.0, limited.collect());
         }
     }
@@ -144,7 +144,7 @@ impl Quality {
         self.failures.extend(failures);
     }
 
-    /// The table for the eye, failures first.
+    /// Formats the table for a terminal, failures first.
     pub fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -176,7 +176,7 @@ impl Quality {
     /// Reads a file.
     ///
     /// # Errors
-    /// There is none, or it is something else.
+    /// Fails if there is no file, or if it has another content.
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
@@ -185,21 +185,21 @@ impl Quality {
     /// Writes a file.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Fails if it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), String> {
         crate::figures::write(path, self)
     }
 }
 
-/// Of sorted values; 0 without any.
+/// Percentile of sorted values; 0 if there are none.
 fn percentile(values: &[(f64, &Run)], share: f64) -> f64 {
     let place = (share * values.len() as f64).ceil() as usize;
     let value = values.get(place.saturating_sub(1)).map_or(0.0, |(value, _)| *value);
-    // Four digits behind the point are enough of a percentile.
+    // Four digits after the point suffice for a percentile.
     (value * 1e4).round() / 1e4
 }
 
-/// A run in words.
+/// Describes a run's result in words.
 pub(super) fn words(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Limited(why) => format!("not run: {why}"),

@@ -12,38 +12,38 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What to sign, with what.
+/// Program to sign, and its header and key.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The program: an ELF file, or the bytes as they stand in the flash
+    /// Program to sign: an ELF file, or the bytes of the flash
     #[arg(required_unless_present = "new_key")]
     image: Option<PathBuf>,
     /// File of the secret key
     #[arg(long, value_name = "FILE", required_unless_present = "new_key")]
     key: Option<PathBuf>,
-    /// The board: bench, qemu, b-g431b-esc1, or its hardware id in hexadecimal
+    /// Board: bench, qemu, b-g431b-esc1, or its hardware id in hexadecimal
     #[arg(long, value_name = "ID", value_parser = hardware_id, required_unless_present = "new_key")]
     hardware: Option<u32>,
-    /// MAJOR.MINOR.PATCH or MAJOR.MINOR.PATCH+BUILD
+    /// Version of the program: MAJOR.MINOR.PATCH or MAJOR.MINOR.PATCH+BUILD
     #[arg(long, value_name = "VERSION", required_unless_present = "new_key")]
     version: Option<Version>,
-    /// The image, .narximg
+    /// File for the image, .narximg
     #[arg(long, value_name = "FILE", required_unless_present = "new_key")]
     out: Option<PathBuf>,
-    /// Make a new secret key instead, and its public half beside it (.pub)
+    /// Make a new secret key instead, in this file, and its public half beside it (.pub)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "key", "hardware", "version", "out"])]
     new_key: Option<PathBuf>,
 }
 
-/// `cargo xtask sign`.
+/// Runs `cargo xtask sign`.
 pub fn command(arguments: &Arguments) -> ExitCode {
     steps::finish(run(arguments))
 }
 
-/// Signs, or makes a key: the closing line.
+/// Signs, or makes a key; returns the closing line.
 ///
 /// # Errors
-/// A file that cannot be read or written, or is none of its kind.
+/// Fails with a file that cannot be read or written, or that has another content.
 pub fn run(arguments: &Arguments) -> Outcome {
     match arguments {
         Arguments { new_key: Some(file), .. } => new_key(file),
@@ -55,15 +55,15 @@ pub fn run(arguments: &Arguments) -> Outcome {
             out: Some(out),
             ..
         } => sign(image, &read_key(key)?, *hardware, *version, out),
-        // clap has seen to it.
+        // clap has checked that these arguments are present.
         _ => Err("nothing to sign".into()),
     }
 }
 
-/// Signs a program: the closing line.
+/// Signs a program; returns the closing line.
 ///
 /// # Errors
-/// It cannot be read, is no program, or the image cannot be written.
+/// Fails if the program cannot be read or is none, or if the image cannot be written.
 pub fn sign(program: &Path, key: &SecretKey, hardware: u32, version: Version, out: &Path) -> Outcome {
     let bytes = fs::read(program).map_err(|error| at(program, &error))?;
     let mut body = program::flat(&bytes).map_err(|error| at(program, &error))?;
@@ -86,7 +86,7 @@ fn new_key(file: &Path) -> Outcome {
     let mut secret = [0; 32];
     getrandom::fill(&mut secret).map_err(|error| format!("no random numbers: {error}"))?;
     let public = hexadecimal(&SecretKey(secret).public().0);
-    // Never over a key that boards may know.
+    // Never overwrites a key, which boards may already use.
     let mut options = fs::OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]
@@ -102,7 +102,7 @@ fn new_key(file: &Path) -> Outcome {
     )])
 }
 
-/// A line of 64 hexadecimal digits.
+/// Reads a line of 64 hexadecimal digits.
 fn read_key(file: &Path) -> Result<SecretKey, String> {
     let text = fs::read_to_string(file).map_err(|error| at(file, &error))?;
     let digits = text.trim();

@@ -1,18 +1,19 @@
-//! The bytes of a program as they stand in the flash.
+//! Bytes of a program as they are in the flash.
 
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, FileKind};
 
-/// A vector table is aligned to as much, and so is the program behind its header.
+/// Alignment of a vector table, and so of the program after its header.
 const ALIGNMENT: u32 = 512;
-/// More than any board has: beyond it an address is a mistake of the linker's.
+/// Longest program, more than any board has: an address beyond it is an error of the linker script.
 const LONGEST: u32 = 16 << 20;
 
-/// What an ELF file loads, from its first address on, gaps filled with ones; anything else as it is.
+/// Returns the bytes that an ELF file loads, from its first address on, with gaps filled with ones; any other
+/// file is returned unchanged.
 ///
 /// # Errors
-/// An ELF file that is damaged, not for 32 bits, or linked where no image stands.
+/// Fails if an ELF file is damaged, not for 32 bits, or linked to an address where no image can be.
 pub(super) fn flat(file: &[u8]) -> Result<Vec<u8>, String> {
     match FileKind::parse(file) {
         Ok(FileKind::Elf32) => {}

@@ -1,4 +1,4 @@
-//! What is signed is what would stand in the flash.
+//! Tests: the signed bytes are those that would be in the flash.
 
 use super::{Arguments, hardware_id, program, run};
 use narx_boot::sign::SecretKey;
@@ -6,20 +6,20 @@ use narx_boot::{HEADER_LENGTH, Header, Version, hardware};
 use std::fs;
 use std::path::PathBuf;
 
-/// A 32-bit ELF file for ARM with these segments: address in the flash, and bytes.
+/// Builds a 32-bit ELF file for ARM with these segments: address in the flash, and bytes.
 fn elf(segments: &[(u32, &[u8])]) -> Vec<u8> {
     let mut file = vec![0x7F, b'E', b'L', b'F', 1, 1, 1];
     file.resize(16, 0);
     let half = |file: &mut Vec<u8>, value: u16| file.extend(value.to_le_bytes());
     let word = |file: &mut Vec<u8>, value: u32| file.extend(value.to_le_bytes());
-    // Executable, ARM; version, entry, program headers behind this one, no sections, flags.
+    // Executable, ARM; version, entry, program headers after this one, no sections, flags.
     half(&mut file, 2);
     half(&mut file, 40);
     [1, 0, 52, 0, 0].into_iter().for_each(|value| word(&mut file, value));
     [52, 32, segments.len() as u16, 40, 0, 0].into_iter().for_each(|value| half(&mut file, value));
     let mut offset = 52 + 32 * segments.len() as u32;
     for (address, bytes) in segments {
-        // In RAM they stand elsewhere: what counts is where they are loaded from.
+        // The virtual address is in RAM: the address from which a segment is loaded counts.
         let length = bytes.len() as u32;
         [1, offset, 0x2000_0000, *address, length, length + 16, 5, 4]
             .into_iter()
@@ -55,7 +55,7 @@ fn programs_that_no_board_has() {
     }
 }
 
-/// A key is made once, and an image is the one that the library makes.
+/// A key is made only once, and the signed image equals the one that the library makes.
 #[test]
 fn a_key_signs_an_image() {
     let folder = std::env::temp_dir().join(format!("narx-sign-{}", std::process::id()));
@@ -88,7 +88,7 @@ fn a_key_signs_an_image() {
     let seed = (0..32).map(|at| u8::from_str_radix(&secret[2 * at..2 * at + 2], 16).unwrap());
     let key = SecretKey(seed.collect::<Vec<u8>>().try_into().unwrap());
     assert_eq!(head, key.sign(header, body));
-    // The public half is no secret one, but it looks like one; anything else does not.
+    // A public key has the form of a secret one and is not recognised; anything else is refused.
     fs::write(file("short.key"), "abcd").unwrap();
     assert!(run(&sign(file("short.key"))).unwrap_err().contains("64 hexadecimal digits"));
     fs::remove_dir_all(&folder).unwrap();

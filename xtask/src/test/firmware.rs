@@ -1,4 +1,4 @@
-//! The firmware image.
+//! Tests of the firmware image.
 
 use crate::board;
 use crate::firmware::{self, Image};
@@ -10,7 +10,7 @@ use crate::{hangs, instructions, others, proof, qemu, slots, small};
 use std::path::Path;
 use std::process::Command;
 
-/// The images' own lints: on this machine they are empty.
+/// Lints of the images themselves: on this machine they are empty.
 const LINTS: [&str; 11] = [
     "clippy",
     "--quiet",
@@ -25,7 +25,7 @@ const LINTS: [&str; 11] = [
     "warnings",
 ];
 
-/// The same of the board on silicon.
+/// Lints of the board on silicon.
 const BOARD_LINTS: [&str; 14] = [
     "clippy",
     "--quiet",
@@ -43,7 +43,7 @@ const BOARD_LINTS: [&str; 14] = [
     "warnings",
 ];
 
-/// What is run, in order.
+/// Steps in their order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::command(root, "shell", "cargo", &["test", "-p", "narx-firmware"]),
@@ -63,7 +63,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
     ]
 }
 
-/// What replays recordings, once [`steps`] have built it.
+/// Programs that replay recordings, once [`steps`] has built them.
 pub fn replayers(root: &Path) -> Vec<Replayer> {
     let image = Image::Replay.path(root);
     vec![Replayer::new("Rust Cortex-M4F", move |arguments| qemu::semihosting(&image, arguments))]
@@ -72,7 +72,7 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
 /// Spins the motor of the real image through python-can.
 fn drive(root: &Path) -> Outcome {
     let tests = root.join("tests/firmware");
-    // Some of them operate it by our own package.
+    // Some of the tests operate it by our own package.
     let python = python::prepare(root)?;
     // The tests choose the port, and start and end the emulator themselves.
     let emulator = qemu::with_serial_port(&Image::Drive.path(root), &[] as &[&str], "{port}");

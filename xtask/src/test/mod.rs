@@ -1,4 +1,4 @@
-//! The tests of every target, a file each: what it needs, what is run.
+//! Tests of every target, a file each: the tools that it needs, and its steps.
 
 pub mod ffi;
 pub mod firmware;
@@ -12,10 +12,10 @@ use clap::ValueEnum;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What can be tested alone.
+/// Targets that can be tested alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Target {
-    /// Formatting, lints, Rust tests, the build without std, and what other tools make of our files
+    /// Formatting, lints, Rust tests, the build without std, and our files in other people's tools
     Rust,
     /// The C library: on this machine and on an emulated Cortex-M4F
     Ffi,

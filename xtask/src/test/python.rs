@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{fs, io};
 
-/// What is run, in order.
+/// Steps in their order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = docs(root);
     steps.push(Step::new("Python stubs", move || stubs(root)));
@@ -17,7 +17,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
     steps
 }
 
-/// What is run to build the package's reference.
+/// Steps that build the package's reference.
 pub fn docs(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("Python environment", move || environment(root)),
@@ -26,7 +26,7 @@ pub fn docs(root: &Path) -> Vec<Step<'_>> {
     ]
 }
 
-/// What replays recordings, once [`steps`] have built it.
+/// Programs that replay recordings, once [`steps`] has built them.
 pub fn replayers(root: &Path) -> Vec<Replayer> {
     let (python, script) = (python(root), tests(root).join("replay.py"));
     vec![Replayer::new("Python", move |arguments| {
@@ -36,10 +36,10 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
     })]
 }
 
-/// The interpreter of an environment with the package in it.
+/// Interpreter of an environment with the package in it.
 ///
 /// # Errors
-/// What Python, pip or cargo said.
+/// Fails with the message of Python, pip or cargo.
 pub fn prepare(root: &Path) -> Result<PathBuf, String> {
     environment(root)?;
     package(root)?;
@@ -56,7 +56,7 @@ fn package(root: &Path) -> Outcome {
     module(root, &pip, &[root.join("python")])
 }
 
-/// The stubs say what the compiled module has, and package and tests agree with them.
+/// Checks that the stubs match the compiled module, and that package and tests agree with the stubs.
 fn stubs(root: &Path) -> Outcome {
     let package = root.join("python");
     let settings = package.join("pyproject.toml").display().to_string();
@@ -66,12 +66,12 @@ fn stubs(root: &Path) -> Outcome {
     Ok(Vec::new())
 }
 
-/// The reference from the docstrings, a page per class; a warning is an error.
+/// Builds the reference from the docstrings, a page per class; a warning is an error.
 fn reference(root: &Path) -> Outcome {
     let (settings, made) = (root.join("python/docs"), target_directory(root).join("docs/python"));
     let source = made.join("source");
     let failed = |error: io::Error| format!("{}: {error}", made.display());
-    // Pages of what is no more must go.
+    // Pages of removed items must go.
     if made.exists() {
         fs::remove_dir_all(&made).map_err(failed)?;
     }
@@ -86,12 +86,12 @@ fn reference(root: &Path) -> Outcome {
 fn module(root: &Path, arguments: &[&str], paths: &[PathBuf]) -> Outcome {
     let mut command = Command::new(python(root));
     command.arg("-m").args(arguments).args(paths);
-    // Everything that is built or cached stays under `target/`.
+    // Builds and caches stay under `target/`.
     command.env("CARGO_TARGET_DIR", target_directory(root)).env("PYTHONDONTWRITEBYTECODE", "1");
     steps::run(command.current_dir(directory(root)))
 }
 
-/// Where the environment is.
+/// Folder of the environment.
 pub(crate) fn directory(root: &Path) -> PathBuf {
     target_directory(root).join("python-environment")
 }

@@ -1,13 +1,14 @@
-//! The core and the bench on this machine, the build for a target without std, and what other tools make of our files.
+//! Tests of the core and the bench on this machine, the build for a target without std, and our files in
+//! other people's tools.
 
 use crate::steps::Step;
 use crate::{callgrind, coverage, dbc, eds, install, interop, readme, vectors};
 use std::path::Path;
 
-/// A Cortex-M4 with floating point, as on the boards.
+/// Target of a Cortex-M4 with floating point, as on the boards.
 pub const EMBEDDED: &str = "thumbv7em-none-eabihf";
 
-/// What is run, in order.
+/// Steps in their order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
@@ -37,7 +38,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
                 EMBEDDED,
             ],
         ),
-        // Alone, because with others the core gets their features.
+        // Alone, because together with other packages the core gets their features.
         Step::command(root, "without features", "cargo", &["test", "-p", "narx-small"]),
         Step::new("vectors", move || vectors::regenerate(root, true)),
         Step::new("coverage", move || coverage::regenerate(root, true)),

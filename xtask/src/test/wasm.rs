@@ -1,4 +1,4 @@
-//! The WebAssembly build, in Node and in Chromium.
+//! Tests of the WebAssembly build, in Node and in Chromium.
 
 use crate::install::{self, Package};
 use crate::parity::Replayer;
@@ -6,7 +6,7 @@ use crate::steps::{self, Step};
 use crate::web;
 use std::path::Path;
 
-/// What is run, in order.
+/// Steps in their order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
@@ -14,7 +14,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size"])
     }));
     steps.push(Step::new("page in Chromium", move || {
-        // CHROMIUM names another browser.
+        // The variable CHROMIUM names another browser.
         if std::env::var_os("CHROMIUM").is_none() {
             install::debian(&[CHROMIUM])?;
         }
@@ -23,7 +23,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
     steps
 }
 
-/// What replays recordings, once [`steps`] have built it.
+/// Programs that replay recordings, once [`steps`] has built them.
 pub fn replayers(root: &Path) -> Vec<Replayer> {
     let program = |name, script| {
         let script = root.join("tests/wasm").join(script);
@@ -36,7 +36,7 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
     vec![program("Node", "replay.mjs"), program("Chromium", "chromium.mjs")]
 }
 
-/// Without windows, which no test needs: a third of the whole browser.
+/// Package of Chromium without windows, which no test needs: a third of the size of the whole browser.
 const CHROMIUM: Package = Package { name: "chromium-headless-shell", provides: "chromium-headless-shell" };
 
 /// Runs test files of `tests/wasm`.

@@ -1,4 +1,4 @@
-//! What happens in a scenario.
+//! Actions in a scenario.
 
 use super::scenario::{parameter, within};
 use narx_core::bus::Frame;
@@ -11,42 +11,42 @@ use serde::Deserialize;
 /// An action at its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// From power-up, s.
+    /// Time from power-up, s.
     pub time: f64,
-    /// What happens then.
+    /// Action at that time.
     pub action: Action,
 }
 
-/// Something that the master or the world does.
+/// Action of the master or of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// The master asks for a speed, mechanical rpm; negative is Reverse.
+    /// The master requests a speed, mechanical rpm; negative is Reverse.
     Start(i32),
-    /// The master asks for Standby.
+    /// The master requests Standby.
     Stop,
-    /// The master asks for a shutdown (motor mode 3).
+    /// The master requests a shutdown (motor mode 3).
     Shutdown,
-    /// The master sends nothing more, or goes on.
+    /// The master stops sending, or goes on.
     Silence(bool),
     /// The master writes a parameter: number, raw value.
     Set(u16, i32),
-    /// Something breaks.
+    /// A fault begins.
     Inject(Injection),
-    /// It is mended.
+    /// A fault ends.
     Clear(Injection),
     /// Open-circuit voltage of the supply, V.
     Supply(f64),
     /// Constant load on the shaft, N m.
     Load(f64),
-    /// A frame as it is, from the master's place.
+    /// A frame, unchanged, from the master's place on the bus.
     Send(Frame),
-    /// So many frames on the bus are destroyed.
+    /// This many frames on the bus are destroyed.
     Disturb(u32),
-    /// What the drive's shell finds out about store and self-tests.
+    /// Result of the shell's checks of store and self-tests.
     Health(Health),
 }
 
-/// One entry of `at`: a time and exactly one of the others.
+/// One entry of `at`: a time and exactly one of the other keys.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StepKeys {
@@ -108,7 +108,7 @@ enum PhaseKey {
 }
 
 impl StepKeys {
-    /// The step, within a run of `seconds`.
+    /// Checks the entry; returns the step, within a run of `seconds`.
     pub(super) fn checked(self, seconds: f64) -> Result<Step, String> {
         let time = within("at.time", self.time, 0.0, seconds, "s")?;
         let mut actions = Vec::new();
@@ -156,7 +156,7 @@ impl StepKeys {
     }
 }
 
-/// A frame as candump writes it: `1552A0C9#0011`, `601#R`.
+/// Parses a frame in candump's form: `1552A0C9#0011`, `601#R`.
 fn frame(text: &str) -> Result<Frame, String> {
     let line = format!("(0) master {text}");
     match Line::parse(line.as_bytes()) {
@@ -182,7 +182,7 @@ impl HealthKeys {
 }
 
 impl FaultKeys {
-    /// The fault; to end one its value does not matter and may be left out.
+    /// Returns the fault; to end one, its value is not used and may be left out.
     fn checked(&self, key: &str, begins: bool) -> Result<Injection, String> {
         let phase = self.phase.map(|phase| match phase {
             PhaseKey::A => Phase::A,

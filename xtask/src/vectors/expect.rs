@@ -1,4 +1,4 @@
-//! What a run must come to, and what it came to.
+//! Expected and actual results of a run.
 
 use super::scenario::within;
 use narx_core::bus::Id;
@@ -8,26 +8,26 @@ use narx_core::motor::machine::state::State;
 use serde::Deserialize;
 use std::collections::{BTreeSet, VecDeque};
 
-/// What a run must come to.
+/// Expected results of a run.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
-    /// The states in order, from power-up to the end.
+    /// States in order, from power-up to the end.
     pub states: Vec<State>,
-    /// Every bit that was set in the fault word at any time, by name.
+    /// Names of all bits that were set in the fault word at any time.
     #[serde(default)]
     pub faults: Vec<String>,
-    /// The extended fault codes in order.
+    /// Extended fault codes in order.
     #[serde(default)]
     pub codes: Vec<u16>,
-    /// The refusals of a start in order.
+    /// Refusals of a start in order.
     #[serde(default)]
     pub refusals: Vec<Refusal>,
     /// Speed at the end.
     pub speed: Option<Speed>,
     /// Result of a hall calibration.
     pub wiring: Option<Wiring>,
-    /// Identifiers that others than the master must have sent, as candump writes them.
+    /// Identifiers that nodes other than the master must have sent, in candump's form.
     #[serde(default)]
     pub sent: Vec<String>,
 }
@@ -38,7 +38,7 @@ pub struct Expect {
 pub struct Speed {
     /// Mechanical rpm, negative in reverse.
     pub rpm: f64,
-    /// Largest difference, per cent of it.
+    /// Largest difference, per cent of the speed.
     pub within: f64,
 }
 
@@ -46,17 +46,17 @@ pub struct Speed {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wiring {
-    /// Parameter 262.
+    /// Order of the lines, parameter 262.
     pub order: u8,
-    /// Parameter 263.
+    /// Polarity of the lines, parameter 263.
     pub polarity: u8,
-    /// Electrical degrees.
+    /// Offset, electrical degrees.
     pub offset_deg: f64,
     /// Largest difference of the offset, degrees.
     pub within_deg: f64,
 }
 
-/// What the drive's reports have told so far.
+/// Content of the drive's reports so far.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// States in order.
@@ -73,15 +73,15 @@ pub struct Seen {
     speeds: VecDeque<(u64, f64)>,
     code: u16,
     refusal: Refusal,
-    /// Identifiers that others than the master have sent.
+    /// Identifiers that nodes other than the master have sent.
     pub sent: BTreeSet<String>,
 }
 
-/// Ticks over which the final speed is averaged: 0.1 s.
+/// Number of ticks over which the final speed is averaged: 0.1 s.
 pub(super) const WINDOW: u64 = 1000;
 
 impl Seen {
-    /// Takes in a report.
+    /// Takes a report.
     pub fn note(&mut self, status: &Status) {
         if self.states.last() != Some(&status.state) {
             self.states.push(status.state);
@@ -101,7 +101,7 @@ impl Seen {
         }
     }
 
-    /// Takes in a frame that was not the master's.
+    /// Takes the identifier of a frame that was not the master's.
     pub fn note_sent(&mut self, id: Id) {
         self.sent.insert(match id {
             Id::Standard { raw, .. } => format!("{raw:03X}"),
@@ -116,7 +116,7 @@ impl Seen {
 }
 
 impl Expect {
-    /// Names and codes exist, tolerances are possible.
+    /// Checks that names and codes exist, and that tolerances are possible.
     pub(super) fn check(&self) -> Result<(), String> {
         self.fault_word()?;
         for code in &self.codes {
@@ -147,8 +147,8 @@ impl Expect {
         Ok(word)
     }
 
-    /// What was not as expected; nothing if all was. `speed` is the shaft's mean over the last 0.1 s in mechanical rpm, where it
-    /// is known.
+    /// Returns the deviations from the expected results; none if all match. `speed` is the shaft's mean over
+    /// the last 0.1 s in mechanical rpm, if it is known.
     pub fn misses(&self, seen: &Seen, speed: Option<f64>) -> Vec<String> {
         let mut misses = Vec::new();
         let mut differs = |what: &str, found: String, expected: String| {
@@ -192,7 +192,7 @@ impl Wiring {
     }
 }
 
-/// What is not a number exceeds every limit.
+/// Returns whether a value exceeds a limit; NaN exceeds every limit.
 fn exceeds(value: f64, limit: f64) -> bool {
     value.is_nan() || value > limit
 }
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// Whatever differs is named.
+    /// Every difference is named.
     #[test]
     fn every_difference_is_a_miss() {
         let mut seen = Seen::default();

@@ -1,8 +1,8 @@
 //! Conformance vectors: committed scenarios with the recordings that they give, in `tests/vectors`.
 //!
-//! `NAME.toml` says what happens and what must come of it, `NAME.narxrec` is the drive's recording of it. Whatever
-//! claims to be the same control core replays every recording to the digest that it carries. In `tests/vectors/transcripts` are those of
-//! the nodes on the bus, the drive's and a TX-Driver's.
+//! `NAME.toml` describes the actions and the expected results, `NAME.narxrec` is the drive's recording of it.
+//! Every implementation of the control core must replay every recording to the digest in it.
+//! `tests/vectors/transcripts` has those of the nodes on the bus, the drive's and a TX-Driver's.
 
 mod action;
 mod expect;
@@ -19,28 +19,28 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Where the vectors are, in the repository at `root`.
+/// Folder of the vectors, in the repository at `root`.
 pub fn directory(root: &Path) -> PathBuf {
     root.join("tests/vectors")
 }
 
-/// Where those of the nodes are.
+/// Folder of the nodes' vectors.
 pub fn transcript_directory(root: &Path) -> PathBuf {
     directory(root).join("transcripts")
 }
 
-/// Every scenario of a drive in the repository at `root`, by name.
+/// Scenarios of a drive in the repository at `root`, by name.
 ///
 /// # Errors
-/// One line that names the file and what is wrong with it.
+/// Fails with one line that names the file and its error.
 pub fn scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
     read(&directory(root))
 }
 
-/// Every scenario of a node.
+/// Scenarios of a node.
 ///
 /// # Errors
-/// As [`scenarios`].
+/// Those of [`scenarios`].
 pub fn transcript_scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
     read(&transcript_directory(root))
 }
@@ -54,18 +54,18 @@ fn read(directory: &Path) -> Result<Vec<Scenario>, String> {
         .collect()
 }
 
-/// Every recording of a drive in the repository at `root`, by name.
+/// Recordings of a drive in the repository at `root`, by name.
 ///
 /// # Errors
-/// The directory cannot be read.
+/// Fails if the directory cannot be read.
 pub fn recordings(root: &Path) -> Result<Vec<PathBuf>, String> {
     files(&directory(root))
 }
 
-/// Every recording of a node.
+/// Recordings of a node.
 ///
 /// # Errors
-/// As [`recordings`].
+/// Those of [`recordings`].
 pub fn transcripts(root: &Path) -> Result<Vec<PathBuf>, String> {
     files(&transcript_directory(root))
 }
@@ -75,16 +75,15 @@ fn files(directory: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(names.iter().map(|name| directory.join(format!("{name}.narxrec"))).collect())
 }
 
-/// Makes all recordings anew and prints what they are; with `check` nothing is written, and anything that differs is a
-/// failure.
+/// Makes all recordings anew and prints them. With `check` it writes nothing, and fails if one differs.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
-/// Makes all recordings anew, or with `check` compares them: the closing line.
+/// Makes all recordings anew or, with `check`, compares them; returns the closing line.
 ///
 /// # Errors
-/// Every vector that is not as it should be, a line each.
+/// Fails with a line for every vector that is not as expected.
 pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
     let [drives, nodes] = [directory(root), transcript_directory(root)];
     let scenarios: Vec<(PathBuf, Vec<Scenario>)> =
@@ -139,7 +138,7 @@ pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
     Ok(vec![format!("{count} vectors, {bytes} bytes, {changed} changed")])
 }
 
-/// What stood on disk before.
+/// Describes the earlier content of the file.
 fn changed_from(old: Option<&[u8]>) -> String {
     let Some(old) = old else { return "  new".into() };
     match replay_any(old) {
@@ -148,13 +147,13 @@ fn changed_from(old: Option<&[u8]>) -> String {
     }
 }
 
-/// A replay of the fresh recording answers what was recorded.
+/// Checks that a replay of the fresh recording gives the recorded digest.
 fn replayed(run: &Run) -> Result<(), String> {
     let outcome = replay_any(&run.recording).map_err(|error| error.to_string())?;
     if outcome.is_identical() { Ok(()) } else { Err(format!("replays to digest {:016x}", outcome.digest)) }
 }
 
-/// Recordings without a scenario: removed, or with `check` named.
+/// Removes recordings without a scenario or, with `check`, names them.
 fn orphans(directory: &Path, scenarios: &[Scenario], check: bool) -> Result<Vec<String>, String> {
     let mut wrong = Vec::new();
     for name in names(directory, "narxrec")? {

@@ -12,14 +12,14 @@ use narx_sim::sensor::{EddyCurrentConfig, Encoder};
 use narx_sim::tx_driver::{Device, TxDriverConfig};
 use std::f64::consts::TAU;
 
-/// What a scenario gave.
+/// Results of a scenario.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// The recording of whom the scenario is about.
+    /// Recording of the device that the scenario concerns.
     pub recording: Vec<u8>,
-    /// Control ticks.
+    /// Number of control ticks.
     pub ticks: u64,
-    /// What the drive reported.
+    /// Content of the drive's reports.
     pub seen: Seen,
     /// Mean speed of the shaft over the last 0.1 s, mechanical rpm.
     pub speed: f64,
@@ -35,7 +35,7 @@ pub fn run(scenario: &Scenario) -> Run {
     });
     match scenario.of {
         Of::Drive => {}
-        // Without a bootloader, because some of those that replay have none.
+        // Without a bootloader, because some programs that replay have none.
         Of::Node => bench = bench.without_programming().with_transcript(),
         Of::TxDriver => begin_tx_driver(&mut bench, &scenario.name),
     }
@@ -75,7 +75,7 @@ pub fn run(scenario: &Scenario) -> Run {
     Run { recording, ticks, seen, speed }
 }
 
-/// Its samples have no noise: a shaft at rest then takes no room.
+/// Adds a TX-Driver and begins its transcript. Its samples have no noise: a shaft at rest then takes no room.
 fn begin_tx_driver(bench: &mut Bench, label: &str) {
     let Some(node) = NodeId::new(5) else { return };
     let config = TxDriverConfig::new(node);
@@ -85,21 +85,21 @@ fn begin_tx_driver(bench: &mut Bench, label: &str) {
         encoder: Some(Encoder::Rotary { counts: 4096 }),
         ..config
     };
-    // A bus has room for one.
+    // Cannot fail: a bus has room for one.
     let _ = bench.add_tx_driver(&config);
     for device in bench.tx_drivers_mut() {
         device.begin_transcript(label);
     }
 }
 
-/// The master's place on the bus.
+/// The master on the bus.
 struct Master {
     master: master::Master,
     silent: bool,
 }
 
 impl Master {
-    /// It asks for Standby.
+    /// Builds a master that requests Standby.
     fn new(bench: &Bench) -> Self {
         let addresses = bench.node().addresses();
         let mut master = master::Master::new(master::Config { addresses, ..master::Config::default() });
@@ -142,7 +142,7 @@ impl Master {
                 // As above.
                 let _ = bench.send(frame);
             }
-            // In the middle of the data.
+            // Bit 40 is in the middle of the data.
             Action::Disturb(frames) => bench.disturb_bus(frames, 40),
             Action::Health(health) => bench.set_health(health),
         }

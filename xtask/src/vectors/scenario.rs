@@ -1,4 +1,4 @@
-//! A scenario as its file says it, checked whole before anything runs.
+//! A scenario as in its file, checked as a whole before anything runs.
 
 use super::action::{Step, StepKeys};
 use super::expect::Expect;
@@ -11,41 +11,41 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::{fmt, fs};
 
-/// A run that can be.
+/// A checked scenario.
 #[derive(Clone, Debug)]
 pub struct Scenario {
     /// Name of the file without its extension.
     pub name: String,
-    /// What it shows, in a line.
+    /// Its purpose, in a line.
     pub title: String,
-    /// The physical side.
+    /// Motor, supply and load.
     pub plant: PlantConfig,
     /// Stored parameters of the drive: commissioned, with the file's own over them.
     pub parameters: Parameters,
-    /// From power-up, s.
+    /// Time from power-up to the end, s.
     pub seconds: f64,
-    /// What happens when, in order of time.
+    /// Actions in order of time.
     pub steps: Vec<Step>,
-    /// What must come of it.
+    /// Expected results.
     pub expect: Expect,
-    /// Whose inputs are kept.
+    /// Device whose inputs are recorded.
     pub of: Of,
 }
 
-/// Whose inputs a scenario keeps.
+/// Device whose inputs a scenario records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Of {
-    /// The control tick's.
+    /// The drive: inputs of its control tick.
     #[default]
     Drive,
-    /// Those of the drive's node, which has no bootloader.
+    /// The drive's node, which has no bootloader.
     Node,
-    /// Those of a TX-Driver on the same bus: node-id 5, two channels without noise, a linear encoder.
+    /// A TX-Driver on the same bus: node-id 5, two channels without noise, a rotary encoder.
     TxDriver,
 }
 
-/// Why a scenario cannot be: the file, the key, its value and what is allowed, in one line.
+/// Reason why a scenario is invalid: the file, the key, its value and the allowed values, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Invalid(String);
 
@@ -57,7 +57,7 @@ impl fmt::Display for Invalid {
 
 impl std::error::Error for Invalid {}
 
-/// The file, key by key.
+/// Content of the file, key by key.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Keys {
@@ -66,7 +66,7 @@ struct Keys {
     mode: ModeKey,
     supply: f64,
     seconds: f64,
-    /// Mechanical speed of open loop, rpm; left out, commissioning chooses.
+    /// Mechanical speed of open loop, rpm; without it commissioning chooses.
     open_loop_speed: Option<f64>,
     #[serde(default)]
     load: f64,
@@ -88,8 +88,9 @@ enum ModeKey {
     Sensorless,
 }
 
-/// Details of the plant; what is left out has the plant's default, but the angle: no position is special, and 77 degrees is
-/// not on a sector's edge. Noise of the converter is left out unless asked for: it makes recordings long.
+/// Details of the plant. A key that is left out has the plant's default, except the angle: 77 degrees is no
+/// special position and not on a sector's edge. The converter has no noise unless requested: noise makes
+/// recordings long.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct PlantKeys {
@@ -121,7 +122,7 @@ impl Default for PlantKeys {
     }
 }
 
-/// A key with its range, for messages.
+/// Checks a value against its range; errors name the key.
 pub(super) fn within(key: &str, value: f64, min: f64, max: f64, unit: &str) -> Result<f64, String> {
     if (min..=max).contains(&value) {
         Ok(value)
@@ -130,7 +131,7 @@ pub(super) fn within(key: &str, value: f64, min: f64, max: f64, unit: &str) -> R
     }
 }
 
-/// The row of a parameter by its number or printed name, and a value in its unit as 32 bits.
+/// Returns the number of a parameter, given by number or printed name, and a value in its unit as 32 bits.
 pub(super) fn parameter(key: &str, name: &str, value: f64) -> Result<(u16, i32), String> {
     let by_number = name.parse::<u16>().ok().and_then(Dictionary::row);
     let row: &Parameter = by_number.or_else(|| Dictionary::find(name)).ok_or_else(|| {
@@ -152,7 +153,7 @@ impl Scenario {
     /// Reads a file.
     ///
     /// # Errors
-    /// The first thing in it that cannot be.
+    /// Fails with the first error in the file.
     pub fn read(path: &Path) -> Result<Self, Invalid> {
         let name = path.file_stem().map_or("", |stem| stem.to_str().unwrap_or("")).to_owned();
         let text =
@@ -160,10 +161,10 @@ impl Scenario {
         Self::parse(&name, &text)
     }
 
-    /// The scenario `name` of a file's text.
+    /// Parses the scenario `name` from a file's text.
     ///
     /// # Errors
-    /// The first thing in it that cannot be.
+    /// Fails with the first error in the text.
     pub fn parse(name: &str, text: &str) -> Result<Self, Invalid> {
         let keys: Keys = toml::from_str(text).map_err(|error| Invalid(unreadable(name, text, &error)))?;
         Self::checked(name, keys).map_err(|reason| Invalid(format!("{name}.toml: {reason}")))
@@ -233,7 +234,7 @@ impl PlantKeys {
     }
 }
 
-/// What the reader of the format says, in one line with the line it means.
+/// Formats the error of the TOML reader in one line, with the line of the file that it concerns.
 fn unreadable(name: &str, text: &str, error: &toml::de::Error) -> String {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
     let number = text[..start].matches('\n').count() + 1;
@@ -261,7 +262,7 @@ expect = { states = ["Initialization", "Standby"] }
         assert_eq!((scenario.steps.len(), scenario.seconds), (2, 1.0));
     }
 
-    /// Every refusal is one line that names file, key and value, and says what is allowed.
+    /// Every refusal is one line that names file, key and value, and the allowed values.
     #[test]
     fn refusals() {
         for (from, to, said) in [

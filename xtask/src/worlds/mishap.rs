@@ -1,4 +1,4 @@
-//! What goes wrong: drawn here, done by the world.
+//! Mishaps: drawn here, carried out by the world.
 
 use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::bus::{Frame, Id};
@@ -14,33 +14,33 @@ use narx_sim::random::Random;
 pub enum Kind {
     /// The operator commands the motor.
     Command,
-    /// The operator asks for something else.
+    /// The operator makes another request.
     Request,
-    /// The operator downloads something, or gives up doing so.
+    /// The operator downloads something, or aborts a download.
     Download,
-    /// The master is silent for a while.
+    /// The master is silent for a time.
     Silence,
-    /// Somebody sends frames that nobody has asked for.
+    /// Another device sends frames that were not requested.
     Frames,
-    /// Something breaks.
+    /// A part fails.
     Break,
-    /// Something is mended.
+    /// A failed part is repaired.
     Mend,
-    /// Load or supply change.
+    /// Load or supply changes.
     World,
     /// Frames on the bus are disturbed.
     Disturb,
-    /// The master's cable is off for a while.
+    /// The master's cable is disconnected for a time.
     Unplug,
     /// The power fails, perhaps while the flash is being written.
     Cut,
-    /// A bit of the log's memory falls over.
+    /// A bit of the log's memory flips.
     Flip,
-    /// The flash leaves its board, comes back, or is another one.
+    /// The flash is disconnected, comes back, or is replaced.
     Chip,
 }
 
-/// All of them.
+/// All kinds.
 pub const KINDS: [Kind; 13] = [
     Kind::Command,
     Kind::Request,
@@ -58,7 +58,7 @@ pub const KINDS: [Kind; 13] = [
 ];
 
 impl Kind {
-    /// What a summary calls it.
+    /// Name in a summary.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Command => "commands",
@@ -77,7 +77,7 @@ impl Kind {
         }
     }
 
-    /// How often it is drawn, of the sum of all.
+    /// Relative frequency with which the kind is drawn.
     const fn weight(self) -> f64 {
         match self {
             Self::Command => 30.0,
@@ -92,7 +92,7 @@ impl Kind {
     }
 }
 
-/// What happens next.
+/// The next mishap.
 #[derive(Clone, Debug)]
 pub(super) enum Mishap {
     Start(f64),
@@ -102,7 +102,7 @@ pub(super) enum Mishap {
     Request(Request),
     Download(Download),
     AbortDownload,
-    /// s.
+    /// Duration, s.
     Silence(f64),
     Frames(Vec<Frame>),
     Break(Injection),
@@ -111,25 +111,25 @@ pub(super) enum Mishap {
     Load(f64),
     /// Source resistance, ohm, and whether the source takes current back.
     Source(f64, bool),
-    /// Frames, and at which bit.
+    /// Number of frames, and the bit at which they are disturbed.
     Disturb(u32, u32),
-    /// s.
+    /// Duration, s.
     Unplug(f64),
-    /// Steps of the flash from now, and what is left of the last.
+    /// Steps of the flash from now, and the state in which the last one is left.
     Cut(u64, Tear),
-    /// Share of the log's part of the flash, and the bit.
+    /// Position as a share of the log's part of the flash, and the bit.
     Flip(f64, u8),
     Chip(Chip),
 }
 
-/// What becomes of the flash.
+/// Change of the flash.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Chip {
-    /// It does not answer any more: fault bit 26 from the next power-up on.
+    /// It no longer answers: fault bit 26 from the next power-up on.
     Silent,
     /// It answers again.
     Back,
-    /// Power fails, and when it is back there is a blank one: fault bit 30.
+    /// Power fails, and a blank flash is there when it is back: fault bit 30.
     New,
 }
 
@@ -153,7 +153,7 @@ impl Mishap {
     }
 }
 
-/// Draws what happens.
+/// Source of random mishaps.
 #[derive(Clone)]
 pub(super) struct Fate(pub(super) Random);
 
@@ -224,7 +224,8 @@ impl Fate {
         }
     }
 
-    /// A write of any parameter, mostly within its range. An operator who changes the addresses has lost his drive, so he does not.
+    /// Draws a write of any parameter, mostly within its range. The addresses are left out: a change of them
+    /// would disconnect the drive from its operator.
     fn write(&mut self) -> Request {
         let rows: Vec<_> = Dictionary::rows()
             .filter(|row| ![number::SLAVE_CAN_ADDRESS, number::MASTER_CAN_ADDRESS].contains(&row.number))
@@ -254,7 +255,8 @@ impl Fate {
         }
     }
 
-    /// Up to 50 frames: of other devices, of the master's address with any contents, of other addresses, remote ones.
+    /// Draws up to 50 frames: of other devices, of the master's address with any contents, of other
+    /// addresses, remote ones.
     fn frames(&mut self) -> Vec<Frame> {
         let count = 1 + self.below(50);
         (0..count).filter_map(|_| self.frame()).collect()
@@ -264,10 +266,11 @@ impl Fate {
         let bits = self.0.bits();
         let bytes = self.0.bits().to_be_bytes();
         let id = match self.below(4) {
-            // 0AAD5200h is the master's Data Set, 0AAD5400h its Data Request, to the drive with factory addresses.
+            // 0AAD5200h is the master's Data Set, 0AAD5400h its Data Request, to the drive with factory
+            // addresses.
             0 => Id::extended(0x0AAD_5200 | (bits & 0x1FF) as u32)?,
             1 => Id::extended(0x0AAD_5400 | (bits & 0x1FF) as u32)?,
-            // Any but the drive's own address: no bus has two devices with one.
+            // Any address but the drive's own: no bus has two devices with one address.
             2 => Id::extended((bits & 0x1FFF_FFFF) as u32).filter(|id| id.raw() >> 19 & 0xFF != 0xAA)?,
             _ => Id::standard((bits & 0x7FF) as u16)?,
         };

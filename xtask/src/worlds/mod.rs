@@ -1,7 +1,8 @@
-//! Worlds: a drive among everything that goes wrong at once, for as long as somebody likes to wait.
+//! Worlds: a drive under many simultaneous faults, for any simulated time.
 //!
-//! A world is a number. From it follow a motor, its load and supply, an operator who makes mistakes, broken cables and sensors, a disturbed
-//! bus and cut power; and what may never happen is checked in every tick. The same number is the same world on every machine.
+//! A world is a number. From it follow a motor, its load and supply, an operator who makes mistakes, broken
+//! cables and sensors, a disturbed bus and power cuts. The invariants are checked in every tick. The same
+//! number gives the same world on every machine.
 
 mod mishap;
 mod never;
@@ -22,24 +23,24 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What `worlds` is asked for.
+/// Arguments of `worlds`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
-    /// Simulated hours in all
+    /// Total simulated time, hours
     #[arg(long, default_value_t = 1.0)]
     hours: f64,
-    /// The first world
+    /// First world
     #[arg(long, default_value_t = 1)]
     first: u64,
-    /// This world alone, told event by event
+    /// Run this world alone, and print every event
     #[arg(long)]
     world: Option<u64>,
-    /// Where worlds.json goes; without it nowhere
+    /// Folder for worlds.json; without it nothing is written
     #[arg(long)]
     out: Option<PathBuf>,
 }
 
-/// Runs worlds until their simulated time adds up; fails if something happened that may not.
+/// Runs worlds until their simulated time adds up; fails if an invariant was broken.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     if let Some(seed) = arguments.world {
         let story = run(seed, true);
@@ -61,14 +62,15 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     if total.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Worlds one after another until their hours are full. They end in any order and are added in that of their numbers, so that the sum is the same on every
-/// machine. `keep` gets it after every simulated hour, so that a run which is ended early has come to something, and at the end.
+/// Runs worlds until their hours are full. They end in any order and are added in the order of their numbers,
+/// so that the sum is the same on every machine. `keep` gets the sum after every simulated hour, so that a
+/// run that is stopped early leaves a result, and at the end.
 fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> Total {
     let Arguments { hours, first, .. } = arguments;
     let command =
         |hours: f64| format!("cargo xtask worlds --hours {hours} --first {first} --out docs/evidence");
     let mut total = Total::new(command(*hours), commit, *first);
-    // Worlds last about half a minute: enough of them, and the last are not begun.
+    // A world lasts about half a minute, so this is more than enough; the last ones are never begun.
     let worlds = (hours * 3600.0 / 20.0).ceil() as u64;
     let seeds: Vec<u64> = (*first..first + worlds).collect();
     let mut ended: BTreeMap<usize, Story> = BTreeMap::new();
@@ -89,7 +91,7 @@ fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> 
                 total.add(&story);
                 next += 1;
                 if total.hours.floor() > hour {
-                    // So far, and no further: what runs these worlds again.
+                    // The command that repeats the worlds so far.
                     total.command = command(total.hours.floor());
                     keep(&total);
                 }

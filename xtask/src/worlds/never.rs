@@ -1,4 +1,4 @@
-//! What may never happen, whatever else does.
+//! Invariants: events that may never happen, under any faults.
 
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind};
@@ -8,51 +8,55 @@ use narx_core::motor::{State, Step};
 use narx_sim::bench::Bench;
 use std::fmt;
 
-/// Boot takes half a second, and a start needs requests that the drive has not heard before: no drive turns a motor sooner after power-up, ticks.
+/// Time after power-up in which no drive turns a motor, ticks: boot takes half a second, and a start needs
+/// requests that arrive after it.
 const REST: u64 = 5_000;
-/// Above this over-voltage qualifies at once, V: no drive drives on. What the windings hold then still goes into the capacitor, because no brake
-/// chopper takes it.
+/// Voltage above which over-voltage qualifies at once, V: no drive stays on. The energy of the windings then
+/// still goes into the capacitor, because there is no brake chopper to take it.
 const BUS_MAX: f64 = 62.0;
-/// As long as the windings' current lives, the turning rotor's EMF adds to what they give to the capacitor: half as much again.
+/// Factor on the windings' energy: as long as their current flows, the turning rotor's EMF adds half as much
+/// again to the energy that they give to the capacitor.
 const EMF_SHARE: f64 = 1.5;
-/// A command that has expired, or a critical fault, may be seen beside a driving state in the report that tells of it, not in the next tick.
+/// Ticks for which an expired command, or a critical fault, may be seen together with a driving state: in the
+/// report that contains it, not in the next tick.
 const LATE: u32 = 1;
-/// A voltage above the limit is seen by the next sample, and by the one behind it if noise hides it.
+/// Ticks until a voltage above the limit is detected: by the next sample, or by the one after it if noise
+/// hides it.
 const HIGH: u32 = 2;
 
-/// What may never happen, and what has to in peace.
+/// An invariant, or an event that must happen in peace, after the faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Never {
     /// Outside the driving states no switch is on.
     Bridge,
-    /// No drive turns a motor right after power-up.
+    /// No drive turns a motor shortly after power-up.
     Rest,
-    /// Nothing drives on a command that has expired.
+    /// No bridge stays on after the command has expired.
     Expired,
-    /// Nothing drives with a critical fault.
+    /// No bridge stays on with a critical fault.
     Critical,
-    /// Nothing drives with the bus above its limit.
+    /// No bridge stays on with the bus above its limit.
     Voltage,
-    /// Fault has a cause.
+    /// The state Fault has a cause.
     Cause,
-    /// The parameter store survives, unless the whole flash is gone.
+    /// The parameter store survives, unless the whole flash is lost.
     Store,
-    /// Physics is made of numbers.
+    /// Physical quantities are finite numbers.
     Numbers,
-    /// The bus rises no further than the windings lift it.
+    /// The bus rises no further than the windings' energy lifts it.
     Rise,
-    /// The drive sends what its protocol knows.
+    /// Every frame of the drive is one of its protocol.
     Frames,
-    /// In peace it gets to Standby.
+    /// In peace the drive reaches Standby.
     Standby,
-    /// In peace it answers, and takes its parameters.
+    /// In peace the drive answers, and accepts its parameters.
     Answers,
-    /// In peace it turns, if an untouched drive does.
+    /// In peace the drive turns the motor, if an untouched drive does.
     Turns,
 }
 
-/// All of them.
+/// All invariants.
 pub const NEVER: [Never; 13] = [
     Never::Bridge,
     Never::Rest,
@@ -70,7 +74,7 @@ pub const NEVER: [Never; 13] = [
 ];
 
 impl Never {
-    /// What a summary calls it.
+    /// Name in a summary.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bridge => "outside the driving states the bridge is off",
@@ -89,23 +93,23 @@ impl Never {
         }
     }
 
-    /// That it has happened.
+    /// Returns the error that the invariant was broken.
     pub(super) fn broken<T>(self, what: impl Into<String>) -> Checked<T> {
         Err((self, what.into()))
     }
 }
 
-/// What goes on, unless something has happened that may not.
+/// Result of a step, or a broken invariant.
 pub(super) type Checked<T = ()> = Result<T, (Never, String)>;
 
-/// Something that may never happen has happened.
+/// A broken invariant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// When, s of the world's time.
+    /// Time, s of the world's time.
     pub time: f64,
-    /// Which of all.
+    /// The invariant.
     pub never: Never,
-    /// What.
+    /// Description of the event.
     pub what: String,
 }
 
@@ -115,39 +119,39 @@ impl fmt::Display for Broken {
     }
 }
 
-/// [`BUS_MAX`] as the drive reads it: an operator may have told it (parameter 14) that its converter reads too much.
+/// [`BUS_MAX`] as the drive measures it: an operator may have set an offset for its converter (parameter 14).
 fn bus_max(bench: &Bench) -> f64 {
     BUS_MAX - f64::from(bench.node().parameters().raw(number::HV_VOLTAGE_OFFSET)) * 1e-3
 }
 
-/// Watches one drive from power-up.
+/// Checks of one drive from power-up.
 #[derive(Default)]
 pub(super) struct Watch {
     ticks: u64,
     expired: u32,
     critical: u32,
     high: u32,
-    /// The flash was lost; what stood on it may be, too.
+    /// The flash was lost; its content may be lost, too.
     lost: bool,
 }
 
 impl Watch {
-    /// Power-up.
+    /// Begins anew after a power-up.
     pub(super) fn begin_anew(&mut self) {
         *self = Self { lost: self.lost, ..Self::default() };
     }
 
-    /// From now on the store may be broken.
+    /// Allows the store to be broken from now on.
     pub(super) const fn spare_store(&mut self) {
         self.lost = true;
     }
 
-    /// All is stored again: from now on it may not be.
+    /// Forbids the store to be broken from now on: everything is stored again.
     pub(super) const fn hold_store(&mut self) {
         self.lost = false;
     }
 
-    /// Looks at a tick.
+    /// Checks a tick.
     pub(super) fn tick(&mut self, bench: &Bench) -> Checked {
         self.ticks += 1;
         let (status, command) = (bench.status(), bench.command());
@@ -186,14 +190,15 @@ impl Watch {
         Ok(())
     }
 
-    /// Looks at the physics, which changes less quickly than it costs to look. `stored` is the most that the windings have held, J.
+    /// Checks the physics; not in every tick, because the check is expensive and the quantities change
+    /// slowly. `stored` is the largest energy that the windings have held, J.
     pub(super) fn physics(bench: &Bench, stored: f64, capacitance: f64) -> Checked {
         let seen = bench.plant().observe();
         let [a, b, c] = seen.current;
         if !(a + b + c + seen.speed + seen.bus_voltage + seen.angle + seen.winding_temperature).is_finite() {
             return Never::Numbers.broken(format!("physics has left the numbers: {seen:?}"));
         }
-        // A supply may lie above what the drive takes.
+        // The supply may be above the drive's limit.
         let max = bus_max(bench).max(BUS_MAX);
         let top = (max * max + 2.0 * EMF_SHARE * stored / capacitance).sqrt();
         if seen.bus_voltage > top {
@@ -205,7 +210,7 @@ impl Watch {
         Ok(())
     }
 
-    /// Looks at a frame of the drive.
+    /// Checks a frame of the drive.
     pub(super) fn frame(frame: &Frame, address: u8) -> Checked {
         let Ok(id) = MessageId::of(frame) else { return Ok(()) };
         if id.source != address || id.kind != MessageKind::SlaveTx {

@@ -1,4 +1,4 @@
-//! After the trouble: everything is mended, and it has to work.
+//! Peace, after the faults: everything is repaired, and the drive has to work.
 
 use super::never::{Checked, Never};
 use super::world::{TICK, World, master};
@@ -12,19 +12,21 @@ use narx_sim::can::Attachment;
 use narx_sim::commissioning::Mode;
 use narx_sim::engineering;
 
-/// After the trouble: until a drive that was asked for Standby is there, and until one that was asked to turn does, s. A fault waits for its
-/// acknowledgement, Auto-restart tries for its time, and a rotor without friction turns for long.
+/// Longest time after the faults until a drive that was requested to go to Standby is there; below, until one
+/// that was started turns, s. A fault waits for its acknowledgement, Auto-restart tries for its time, and a
+/// rotor without friction turns for long.
 const CALM: f64 = 12.0;
-/// Two requests for Standby and the wait of a fault, or the boot, s.
+/// Time for two requests for Standby and the wait of a fault, or for the boot, s.
 const ACKNOWLEDGED: f64 = 1.0;
 const START: f64 = 20.0;
-/// From what the flash says to the word of faults, s.
+/// Time from the flash's report to the fault word, s.
 const REPORTED: f64 = 0.1;
-/// A master repeats a request a few times before it gives up, s.
+/// Time for an answer, s: a master repeats a request a few times before it gives up.
 const ANSWER: f64 = 5.0;
 
 impl World {
-    /// Everything is mended, and the operator pulls himself together: Standby, and the parameters as they were commissioned.
+    /// Repairs everything; the operator requests Standby, and writes the parameters as they were
+    /// commissioned.
     pub(super) fn make_peace(&mut self) -> Checked {
         self.say(|| "peace".into());
         self.cut_at = None;
@@ -38,9 +40,10 @@ impl World {
         self.bench.plant_mut().set_supply(self.setting.config.plant.supply);
         self.bench.plant_mut().set_load(self.setting.config.plant.load);
         self.master.abort_download();
-        // A new master: what the old one had still to ask for is nobody's wish any more.
+        // A new master: pending requests of the old one no longer count.
         self.master = master(&self.bench);
-        // A threshold that the operator has changed may keep a fault alive, and it can be written in Fault, too.
+        // A threshold that the operator has changed may keep a fault present; it can be written in Fault,
+        // too.
         let is_standby = |status: &Status| status.state == State::Standby;
         let rests = |status: &Status| is_standby(status) || status.state == State::Fault;
         let is_stopped = |status: &Status| is_standby(status) || status.standstill;
@@ -50,7 +53,8 @@ impl World {
         }
         self.ask(Request::DisableHallSupply(false))?;
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
-        // Sensors whose supply is back show another sector, and a rotor that may have moved is not known to stand for parameter 113.
+        // Sensors whose supply is back show another sector; a rotor that may have moved counts as standing
+        // only after the time of parameter 113.
         if !self.until(CALM, is_stopped)? {
             return Never::Standby
                 .broken(format!("its rotor is not known to stand: {:?}", self.bench.status()));
@@ -64,7 +68,8 @@ impl World {
         Ok(())
     }
 
-    /// A drive that has found no parameters at power-up gets them, and keeps them. It looks once a second whether its flash is back.
+    /// Stores the parameters in a drive that found none at power-up, so that it keeps them. Once a second the
+    /// drive checks whether its flash is back.
     fn store(&mut self) -> Checked {
         let absent = |world: &Self| world.bench.status().faults.contains(FaultWord::STORE_ABSENT);
         let until = self.ticks + (CALM / TICK) as u64;
@@ -80,7 +85,7 @@ impl World {
         Ok(())
     }
 
-    /// Waits for a state; false if it does not come.
+    /// Waits for a state; returns false if it is not reached.
     fn until(&mut self, seconds: f64, holds: impl Fn(&Status) -> bool) -> Checked<bool> {
         let until = self.ticks + (seconds / TICK) as u64;
         while !holds(self.bench.status()) && self.ticks < until {
@@ -89,7 +94,8 @@ impl World {
         Ok(holds(self.bench.status()))
     }
 
-    /// Writes every parameter that is another one; commands and what the drive alone writes stay.
+    /// Writes every parameter that differs; commands, and parameters that the drive alone writes, are left
+    /// out.
     fn write_all(&mut self, parameters: &Parameters) -> Checked {
         for (row, raw) in parameters.iter() {
             let now = self.bench.node().parameters().raw(row.number);
@@ -109,7 +115,7 @@ impl World {
         Never::Answers.broken(format!("parameter {number} does not become {raw}"))
     }
 
-    /// Asks, and waits for the answer.
+    /// Sends a request, and waits for the answer.
     fn ask(&mut self, request: Request) -> Checked {
         self.answer = None;
         if let Err(error) = self.master.request(request) {
@@ -130,8 +136,8 @@ impl World {
         Never::Answers.broken(format!("{request:?}: no end within {ANSWER} s"))
     }
 
-    /// It has to start, and to turn as it was asked to, if a drive that nothing has happened to does: some motors in a led field kick back more than
-    /// a source without a sink takes.
+    /// Checks that the drive starts, and turns as requested, if a drive without faults in its past does: some
+    /// motors in open loop return more energy than a source that cannot sink current can take.
     pub(super) fn work(&mut self) -> Checked {
         if self.turns()? {
             return Ok(());
@@ -150,14 +156,14 @@ impl World {
         Ok(())
     }
 
-    /// Whether it starts.
+    /// Starts the drive; returns whether it turns.
     fn turns(&mut self) -> Checked<bool> {
         let rpm = if self.setting.mode == Mode::OpenLoop {
             engineering::value(&self.setting.commissioning.parameters, number::OPEN_LOOP_SPEED).unwrap_or(0.0)
         } else {
             0.5 * (self.setting.commissioning.speed_min + self.setting.commissioning.speed_max)
         };
-        // The first start may be one that calibrates the hall sensors, because somebody has asked for it; it ends in Standby.
+        // The first start may calibrate the hall sensors, if that was requested; it ends in Standby.
         for _ in 0..2 {
             self.say(|| format!("start {rpm:.0} rpm"));
             self.begun_at = self.bench.plant().observe().angle;

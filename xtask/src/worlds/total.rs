@@ -1,4 +1,4 @@
-//! What many worlds come to: printed, and kept in docs/evidence/worlds.json.
+//! Results of many worlds: printed, and stored in docs/evidence/worlds.json.
 
 use super::mishap::KINDS;
 use super::never::NEVER;
@@ -13,37 +13,37 @@ use std::fmt;
 /// Sums over worlds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Total {
-    /// What runs them again.
+    /// Command that runs them again.
     pub command: String,
-    /// The code that ran.
+    /// Commit of the code that ran.
     pub commit: String,
-    /// The first world.
+    /// Number of the first world.
     pub first: u64,
-    /// Worlds, from the first on.
+    /// Number of worlds, from the first on.
     pub worlds: u64,
-    /// Simulated.
+    /// Simulated time, hours.
     pub hours: f64,
-    /// Power-ups.
+    /// Number of power-ups.
     pub boots: u64,
-    /// Restarts that the operator asked for.
+    /// Number of restarts that the operator requested.
     pub resets: u64,
-    /// Times that the drive's controller left the bus.
+    /// Number of times that the drive's controller went bus-off.
     pub bus_offs: u64,
-    /// Frames on the bus.
+    /// Number of frames on the bus.
     pub frames: u64,
-    /// Mishaps of each kind.
+    /// Number of mishaps of each kind.
     pub mishaps: Counts,
-    /// What was broken of all that can break.
+    /// Number of failures of each kind that can be injected.
     pub injections: Counts,
-    /// Ticks in each state.
+    /// Number of ticks in each state.
     pub states: Counts,
-    /// Worlds in which each fault was seen.
+    /// Number of worlds in which each fault was seen.
     pub faults: Counts,
-    /// What may never happen, and in how many worlds it did.
+    /// Invariants, and the number of worlds in which each was broken.
     pub invariants: Counts,
-    /// Worlds at whose end the motor did not start, and did not in a drive to which nothing had happened either.
+    /// Worlds at whose end the motor did not start, and did not start with an untouched drive either.
     pub unable: Vec<u64>,
-    /// Worlds in which something happened that may not, and what.
+    /// Worlds with a broken invariant, and its description.
     pub failures: Vec<(u64, String)>,
 }
 
@@ -58,7 +58,7 @@ fn add<'a>(counts: &mut Counts, more: impl IntoIterator<Item = (&'a str, u64)>) 
 }
 
 impl Total {
-    /// Of no world yet.
+    /// Builds an empty sum.
     pub fn new(command: String, commit: String, first: u64) -> Self {
         Self {
             command,
@@ -80,7 +80,7 @@ impl Total {
         }
     }
 
-    /// One world more.
+    /// Adds a world.
     pub fn add(&mut self, story: &Story) {
         self.worlds += 1;
         self.boots += story.boots;

@@ -1,25 +1,26 @@
-//! Recordings out of worlds: conformance vectors that nobody has chosen.
+//! Recordings of worlds: conformance vectors that were not selected by hand.
 
 use super::mishap::Mishap;
 use super::world::{TROUBLE, World};
 use narx_core::master::Request;
 use narx_core::motor::State;
 
-/// What is recorded: a mishap and the time after it, s.
+/// Length of a recording: a mishap and the time after it, s.
 const WINDOW: f64 = 0.05;
-/// Mishaps from one window to the next where the drive rests, as it does for most of a world's time.
+/// Number of mishaps from one window to the next while the drive rests, as it does for most of a world's
+/// time.
 const EVERY: usize = 10;
 
 /// A recording, and the state that it begins in.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// As a file.
+    /// Recording as a file.
     pub recording: Vec<u8>,
-    /// As reported last before it.
+    /// State that was reported last before it.
     pub state: State,
 }
 
-/// Windows of one world, some fifteen.
+/// Makes the windows of one world, about fifteen.
 pub fn windows(seed: u64) -> Vec<Window> {
     let mut world = World::new(seed, false);
     let mut windows = Vec::new();
@@ -34,12 +35,12 @@ pub fn windows(seed: u64) -> Vec<Window> {
         }
         world.bench.begin_recording();
         world.happen(mishap);
-        // What may never happen is looked for elsewhere.
+        // Broken invariants are reported elsewhere.
         if world.run(WINDOW).is_err() {
             break;
         }
         let recording = world.bench.end_recording();
-        // A drive that has restarted has none.
+        // A drive that has restarted has no recording.
         if !recording.is_empty() {
             windows.push(Window { recording, state });
         }
@@ -47,7 +48,8 @@ pub fn windows(seed: u64) -> Vec<Window> {
     windows
 }
 
-/// A world's recording from power-up on, so many ticks long: one in which nothing restarts the drive. The next world is tried where something does.
+/// Makes a recording of a world from power-up on, `ticks` long, in which nothing restarts the drive. If
+/// something does, the next world is tried.
 pub fn long(first: u64, ticks: u64) -> Vec<u8> {
     (first..)
         .find_map(|seed| {

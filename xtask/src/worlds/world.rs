@@ -1,4 +1,4 @@
-//! One world from its number to its end.
+//! Life of one world from its number to its end.
 
 use super::mishap::{Chip, Fate, KINDS, Mishap};
 use super::never::{Broken, Checked, Watch};
@@ -15,45 +15,46 @@ use std::collections::hash_map::DefaultHasher;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-/// One tick, s.
+/// Duration of a tick, s.
 pub(super) const TICK: f64 = 1e-4;
-/// How long things go wrong, ticks.
+/// Duration of the faults, ticks.
 pub(super) const TROUBLE: u64 = 200_000;
-/// Time between two mishaps, s, at least and at most: short ones come together, long ones let a motor start.
+/// Shortest and longest time between two mishaps, s: with short ones mishaps coincide, long ones let a motor
+/// start.
 const PAUSE: (f64, f64) = (0.002, 1.2);
-/// Ticks between two looks at the physics.
+/// Number of ticks between two checks of the physics.
 const LOOK: u64 = 10;
 
-/// What became of a world.
+/// Results of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Story {
-    /// Its number.
+    /// Number of the world.
     pub seed: u64,
     /// Simulated time, s.
     pub seconds: f64,
-    /// Power-ups.
+    /// Number of power-ups.
     pub boots: u64,
-    /// Restarts without a power-cut, because the operator has asked for them.
+    /// Number of restarts without a power cut, which the operator has requested.
     pub resets: u64,
-    /// Times that the drive's controller left the bus.
+    /// Number of times that the drive's controller went bus-off.
     pub bus_offs: u64,
-    /// Frames on the bus.
+    /// Number of frames on the bus.
     pub frames: u64,
-    /// Mishaps in the order of [`KINDS`].
+    /// Number of mishaps of each kind, in the order of [`KINDS`].
     pub mishaps: [u64; KINDS.len()],
-    /// What was broken, in the order of [`Injection::NAMES`].
+    /// Number of injected failures, in the order of [`Injection::NAMES`].
     pub injections: [u64; Injection::NAMES.len()],
-    /// Ticks in each state.
+    /// Number of ticks in each state.
     pub states: [u64; 8],
-    /// Every fault bit that was seen.
+    /// All fault bits that were seen.
     pub faults: u32,
     /// Largest phase current, A.
     pub peak: f64,
-    /// Of state, step and duty of every tick.
+    /// Digest of state, step and duty of every tick.
     pub digest: u64,
-    /// In the end it did not start, and a drive to which nothing had happened did not either.
+    /// True if the drive did not start in the end, and an untouched drive did not either.
     pub unable: bool,
-    /// What happened that may not.
+    /// Broken invariant.
     pub broken: Option<Broken>,
 }
 
@@ -71,7 +72,7 @@ impl fmt::Display for Story {
     }
 }
 
-/// Lives through the world of that number; `tell` prints what happens.
+/// Runs the world of that number; `tell` prints its events.
 pub fn run(seed: u64, tell: bool) -> Story {
     let mut world = World::new(seed, tell);
     let broken = world.live().err();
@@ -95,7 +96,7 @@ pub(super) struct World {
     pub(super) boots: u64,
     pub(super) resets: u64,
     pub(super) bus_offs: u64,
-    /// As the drive counts them, since its last boot.
+    /// Bus-offs that the drive has counted since its last boot.
     pub(super) bus_offs_seen: i32,
     pub(super) frames: u64,
     pub(super) mishaps: [u64; KINDS.len()],
@@ -124,7 +125,7 @@ impl World {
         Self::of(seed, tell, fate, setting)
     }
 
-    /// A drive at power-up to which nothing has happened yet.
+    /// Builds a world with a drive at power-up, without faults so far.
     pub(super) fn of(seed: u64, tell: bool, fate: Fate, setting: Setting) -> Self {
         let bench = Bench::new(&setting.config).without_recording();
         let master = master(&bench);
@@ -186,7 +187,7 @@ impl World {
         }
     }
 
-    /// A change of state, and why.
+    /// Prints a change of state, and its reason.
     fn tell_state(&self, before: State) {
         let status = self.bench.status();
         if status.state == before {
@@ -200,7 +201,7 @@ impl World {
         });
     }
 
-    /// Trouble, then peace: and in peace it has to work.
+    /// Runs the faults, then peace, in which the drive has to work.
     fn live(&mut self) -> Checked {
         while self.ticks < TROUBLE {
             let mishap = self.next()?;
@@ -215,9 +216,9 @@ impl World {
         self.work()
     }
 
-    /// Waits for the next mishap.
+    /// Runs until the next mishap; returns it.
     pub(super) fn next(&mut self) -> Checked<Mishap> {
-        // Often soon, sometimes late: the square of an even draw.
+        // The square of an even draw: often soon, sometimes late.
         let share = self.fate.between(0.0, 1.0);
         self.run(PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share)?;
         Ok(self.fate.draw())
@@ -231,7 +232,7 @@ impl World {
             Mishap::SetSpeed(share) => self.master.set_speed(speed(share) as u16),
             Mishap::Stop => self.master.stop(),
             Mishap::ShutDown => self.master.shut_down(),
-            // What is not taken now was one request too many: operators click twice.
+            // A request that is not accepted now is dropped, as if an operator had clicked twice.
             Mishap::Request(request) => drop(self.master.request(request)),
             Mishap::Download(download) => drop(self.master.download(download)),
             Mishap::AbortDownload => self.master.abort_download(),
@@ -239,7 +240,7 @@ impl World {
             Mishap::Frames(frames) => {
                 self.bench.set_other(Attachment::Normal);
                 for frame in frames {
-                    // More than the queue holds is no more trouble.
+                    // Frames that do not fit the queue are dropped.
                     let _ = self.bench.send_as_other(frame);
                 }
             }
@@ -288,7 +289,7 @@ impl World {
         let now = self.bench.now_ns() / 1000;
         if self.ticks >= self.silent_until {
             while let Some(frame) = self.master.poll_frame(now) {
-                // A master whose cable is off has its frames refused.
+                // The frames of a master whose cable is disconnected are refused.
                 let _ = self.bench.send(frame);
             }
         }
@@ -319,7 +320,7 @@ impl World {
         self.watch.tick(&self.bench)?;
         if self.ticks.is_multiple_of(LOOK) {
             let PlantConfig { motor, inverter, .. } = &self.setting.config.plant;
-            // Two windings in series carry the most.
+            // Two windings in series store the most.
             let stored = 0.5 * motor.inductance * self.peak * self.peak;
             Watch::physics(&self.bench, stored, inverter.capacitance)?;
             self.count_bus_offs();
@@ -338,14 +339,14 @@ impl World {
         self.peak = self.peak.max(self.bench.plant().observe().peak_current);
     }
 
-    /// The drive's own count, which begins anew with it.
+    /// Adds up the drive's own count, which begins anew when it restarts.
     fn count_bus_offs(&mut self) {
         let now = self.bench.node().read_parameter(number::BUS_OFFS).unwrap_or_default();
         self.bus_offs += u64::from((now - self.bus_offs_seen).max(0).unsigned_abs());
         self.bus_offs_seen = now;
     }
 
-    /// The power is gone, and comes back; the flash has what it has, and the rotor stands.
+    /// Cuts the power and restores it; the flash keeps its content, and the rotor stands at a new angle.
     fn cut(&mut self) {
         self.cut_at = None;
         let angle_deg = self.fate.between(0.0, 360.0);
@@ -358,14 +359,15 @@ impl World {
         flash.restore_power();
         self.bench = Bench::with_flash(&config, flash).without_recording();
         self.boots += 1;
-        // The master goes on: it has not lost its power, only its drive. But its clock is the bench's, which begins anew.
+        // The master has not lost its power, only its drive. It is built anew because its clock is the
+        // bench's, which begins anew.
         self.master = master(&self.bench);
         self.watch.begin_anew();
         self.unplugged_until = 0;
     }
 }
 
-/// The operator's master, who asks for Standby at first.
+/// Builds the operator's master, which requests Standby at first.
 pub(super) fn master(bench: &Bench) -> Master {
     let addresses = bench.node().addresses();
     let mut master = Master::new(Config { addresses, read_parameters: false, ..Config::default() });
@@ -373,7 +375,7 @@ pub(super) fn master(bench: &Bench) -> Master {
     master
 }
 
-/// What a world begins with.
+/// Initial conditions of a world.
 #[derive(Clone)]
 pub(super) struct Setting {
     pub(super) config: BenchConfig,
@@ -383,7 +385,8 @@ pub(super) struct Setting {
 }
 
 impl Setting {
-    /// A motor of the market, a bit off its data sheet, in a mode that runs it on this supply.
+    /// Draws a motor of the market with deviations from its data sheet, in a mode that runs it on this
+    /// supply.
     fn draw(fate: &mut Fate, seed: u64) -> Option<Self> {
         let preset = &PRESETS[fate.below(PRESETS.len())];
         let mode = Mode::ALL[fate.below(Mode::ALL.len())];

@@ -61,8 +61,8 @@ impl Bitrate {
         }
     }
 
-    /// The longest that a frame with an 11-bit identifier and `bytes` data bytes occupies the bus for, microseconds: stuff bits and
-    /// the gap to the next frame included.
+    /// The longest that a frame with an 11-bit identifier and `bytes` data bytes occupies the bus for,
+    /// microseconds: stuff bits and the gap to the next frame included.
     pub const fn longest_frame_us(self, bytes: u8) -> u32 {
         let data = 8 * bytes as u32;
         (47 + data + (33 + data) / 4) * self.bit_us()

@@ -118,8 +118,8 @@ impl FromNode {
         }
     }
 
-    /// Decodes a frame of a node with this layout; returns the node-id and the message. An error message may be longer than its two
-    /// bytes, as those of CANopen nodes are.
+    /// Decodes a frame of a node with this layout; returns the node-id and the message. An error message may
+    /// be longer than its two bytes, as those of CANopen nodes are.
     ///
     /// # Errors
     /// The frame is malformed, or no message of such a node.

@@ -1,5 +1,6 @@
-//! The eddyCAN wire format of TX-Drivers (eddyCAN specification, section 3): 11-bit identifiers of a function and a node-id,
-//! little endian. Both directions have an encoder and a decoder, so device, master and log reader share one code.
+//! The eddyCAN wire format of TX-Drivers (eddyCAN specification, section 3): 11-bit identifiers of a function
+//! and a node-id, little endian. Both directions have an encoder and a decoder, so device, master and log
+//! reader share one code.
 
 mod bitrate;
 mod error;

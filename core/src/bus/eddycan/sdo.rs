@@ -153,8 +153,8 @@ impl SdoAnswer {
         join(command, self.index, self.subindex, data)
     }
 
-    /// Decodes an answer from 8 bytes; `None` for a command that no answer has. 42h and 47h, which other nodes send for a value without a
-    /// size and for one of three bytes, are understood too.
+    /// Decodes an answer from 8 bytes; `None` for a command that no answer has. 42h and 47h, which other
+    /// nodes send for a value without a size and for one of three bytes, are understood too.
     pub const fn decode([command, low, high, subindex, a, b, c, d]: [u8; 8]) -> Option<Self> {
         let data = [a, b, c, d];
         let outcome = match command {
@@ -219,7 +219,8 @@ impl AbortCode {
         Self::General,
     ];
 
-    /// The code of this number, if Table 10 lists it. The last one is printed with seven digits, so 00800000h is understood as it, too.
+    /// The code of this number, if Table 10 lists it. The last one is printed with seven digits, so 00800000h
+    /// is understood as it, too.
     pub fn decode(raw: u32) -> Option<Self> {
         if raw == 0x0080_0000 {
             return Some(Self::General);

@@ -216,7 +216,8 @@ impl FromDrive {
     }
 }
 
-/// A message of a drive without the addresses, which are the same in all of them: 10 bytes where a frame has 16, and dozens wait in a queue.
+/// A message of a drive without the addresses, which are the same in all of them: 10 bytes where a frame has
+/// 16, and dozens wait in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Addressless {
     opcode: Opcode,

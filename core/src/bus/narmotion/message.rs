@@ -1,5 +1,6 @@
-//! Every message with its fields. Documents, data base files and the drive's description are made from this table.
-//! Encoders and decoders are written separately; `tests/protocol/messages.rs` checks that both use the same bits.
+//! Every message with its fields. Documents, data base files and the drive's description are made from this
+//! table. Encoders and decoders are written separately; `tests/protocol/messages.rs` checks that both use the
+//! same bits.
 
 use super::id::MessageKind::{DataRequest, DataSet, SlaveTx};
 use super::id::{Addresses, MessageId, MessageKind, Opcode};

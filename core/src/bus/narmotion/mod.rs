@@ -1,6 +1,6 @@
-//! The NarMotion-X wire format (Annex A of the specification): 29-bit identifiers, frames of four 16-bit words, big
-//! endian. 32-bit values are high word first. Both directions have an encoder and a decoder, so device, master,
-//! simulator and log reader share one code.
+//! The NarMotion-X wire format (Annex A of the specification): 29-bit identifiers, frames of four 16-bit
+//! words, big endian. 32-bit values are high word first. Both directions have an encoder and a decoder, so
+//! device, master, simulator and log reader share one code.
 
 mod from_drive;
 mod id;

@@ -42,8 +42,8 @@ impl Signal {
     }
 }
 
-/// Every measurement of Figure 14 in the order of the frames. Speeds are mechanical and signed: reverse is negative.
-/// Values beyond 16 bits saturate; the position wraps.
+/// Every measurement of Figure 14 in the order of the frames. Speeds are mechanical and signed: reverse is
+/// negative. Values beyond 16 bits saturate; the position wraps.
 pub const SIGNALS: [Signal; 21] = [
     signal(0, 0, "Accel X", "g", -3),
     signal(0, 1, "Accel Y", "g", -3),

@@ -1,4 +1,5 @@
-//! Programming over the bus: opcodes 160 to 167, which the specification leaves free (PROTOCOL.md, section 11).
+//! Programming over the bus: opcodes 160 to 167, which the specification leaves free (PROTOCOL.md, section
+//! 11).
 
 use super::id::{MessageKind, Opcode};
 use super::words::{DecodeError, Words, long};

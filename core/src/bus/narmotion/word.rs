@@ -6,7 +6,8 @@
 //!              |    logging memory / enable    | state  |        |  mode |      | mode
 //! ```
 //!
-//! In a request only the motor mode counts: the logging parameters command the log, every other bit is ignored.
+//! In a request only the motor mode counts: the logging parameters command the log, every other bit is
+//! ignored.
 
 use super::words::DecodeError;
 

@@ -1,8 +1,8 @@
 //! Bus master of one TX-Driver: configures the node, commands it, monitors its presence, and reads its
 //! positions. A pure state machine: frames and time (microseconds) in, frames out.
 //!
-//! Call [`TxMaster::handle_frame`] for every frame that arrives, and [`TxMaster::poll_frame`] until it has nothing left, at the latest when
-//! [`TxMaster::next_poll`] says.
+//! Call [`TxMaster::handle_frame`] for every frame that arrives, and [`TxMaster::poll_frame`] until it has
+//! nothing left, at the latest when [`TxMaster::next_poll`] says.
 
 mod report;
 mod requests;
@@ -69,7 +69,7 @@ impl TxMaster {
         &self.report
     }
 
-    /// Whether the node was heard lately.
+    /// Returns whether the node was heard lately.
     pub fn is_present(&self, now: u64) -> bool {
         self.report.heard.is_some_and(|heard| now.saturating_sub(heard) < self.config.silence)
     }

@@ -9,7 +9,7 @@ use crate::eddycan::Entry;
 pub struct Report {
     /// State of the last heartbeat.
     pub state: Option<NmtState>,
-    /// When the last message came, microseconds.
+    /// Time of the last message, microseconds.
     pub heard: Option<u64>,
     /// Boot-up messages, saturating.
     pub boots: u32,

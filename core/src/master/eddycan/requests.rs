@@ -28,7 +28,7 @@ pub struct Answer {
     pub result: Result<u32, RequestError>,
 }
 
-/// Why a request was not done.
+/// Reason why a request was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestError {
     /// No answer to any attempt. A Stopped node does not answer.
@@ -49,7 +49,7 @@ pub(super) struct Requests(Waiting<Request, UnderWay, Answer>);
 #[derive(Clone, Copy, Debug)]
 struct UnderWay {
     request: Request,
-    /// When it was last sent, microseconds.
+    /// Time of the last transmission, microseconds.
     sent: u64,
     /// Attempts left.
     left: u8,
@@ -78,7 +78,8 @@ impl Request {
         if matches!(self, Self::Write(Entry::ResetEncoder, _)) { 1 } else { attempts }
     }
 
-    /// Whether an answer is about this entry. If the entry has no subindex, nodes may answer with any.
+    /// Returns whether an answer is about this entry. If the entry has no subindex, nodes may answer with
+    /// any.
     fn is_addressed_by(self, answer: SdoAnswer) -> bool {
         let object = self.entry().object();
         answer.index == object.index && object.subindex.is_none_or(|own| own == answer.subindex)

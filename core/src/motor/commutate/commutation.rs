@@ -19,8 +19,8 @@
 //!  floating    A |  C  |  B  |  A  |  C  |  B  |  A
 //! ```
 //!
-//! Sector s spans 30 + 60 s to 90 + 60 s degrees. Forward torque takes the step of the rotor's sector, reverse
-//! torque the opposite step (sector + 3). Step s pulls a resting rotor to 150 + 60 s degrees.
+//! Sector s spans 30 + 60 s to 90 + 60 s degrees. Forward torque takes the step of the rotor's sector,
+//! reverse torque the opposite step (sector + 3). Step s pulls a resting rotor to 150 + 60 s degrees.
 
 use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,8 @@ pub enum Leg {
 /// The six running steps by sector.
 pub const STEPS: [Step; 6] = [Step::AB, Step::AC, Step::BC, Step::BA, Step::CA, Step::CB];
 
-/// The same with forward and with reverse torque, in tables that three bits cannot miss.
+/// Running steps with forward and with reverse torque, in tables of eight: no index of three bits is out of
+/// range.
 const FORWARD: [Step; 8] = turned(0);
 const REVERSE: [Step; 8] = turned(3);
 

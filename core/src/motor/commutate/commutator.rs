@@ -37,8 +37,8 @@ impl Commutator {
         *self = Self::default();
     }
 
-    /// The step at `earliest`, and the changes later in this period, for a rotor at `angle` (at the period's boundary)
-    /// turning by `speed` a tick, with torque in `torque`.
+    /// The step at `earliest`, and the changes later in this period, for a rotor at `angle` (at the period's
+    /// boundary) turning by `speed` a tick, with torque in `torque`.
     #[inline]
     pub fn step(
         &mut self,
@@ -53,7 +53,8 @@ impl Commutator {
         let (per_tick, ahead) = (speed.unsigned_abs(), distance(angle, self.boundary, speed));
         let blind = part_of(per_tick as i32, c.earliest.into());
         let seen = per_tick.saturating_add(blind / 2);
-        // Within the sector that it was, before its end at the first instant that counts, and no second one in view.
+        // Within the sector that it was, before its end at the first instant that counts, and no second one
+        // in view.
         let plain = per_tick > 0 && seen < SIXTH && ahead > blind && ahead < INSIDE;
         if !plain {
             self.change(c, angle, speed, torque)
@@ -137,7 +138,8 @@ impl Commutator {
         (first, commutations)
     }
 
-    /// The sector of `angle`, or the sector before it was left if the rotor seems to have moved back a little.
+    /// The sector of `angle`, or the sector before it was left if the rotor seems to have moved back a
+    /// little.
     fn settle(&self, angle: u32, speed: i32) -> u8 {
         let now = sector_of(ElectricalAngle((angle >> 16) as u16));
         let Some(last) = self.sector else { return now };
@@ -152,8 +154,8 @@ impl Commutator {
     }
 }
 
-/// Time for which a rotor at `angle` (u32 turn) that turns by `speed` (2^-32 turn a tick) stays within `sector`, less the advance, 1/65 536 tick:
-/// 0 if it has left it, `None` if it stands within.
+/// Time for which a rotor at `angle` (u32 turn) that turns by `speed` (2^-32 turn a tick) stays within
+/// `sector`, less the advance, 1/65 536 tick: 0 if it has left it, `None` if it stands within.
 pub fn time_in(
     c: &CommutatorCoefficients,
     sector: u8,
@@ -187,7 +189,7 @@ const fn distance(angle: u32, place: u32, speed: i32) -> u32 {
     if speed < 0 { angle.wrapping_sub(place) } else { place.wrapping_sub(angle) }
 }
 
-/// So far `before` a boundary, against the motion.
+/// Angle that lies `before` a boundary, against the motion.
 #[inline]
 const fn before(boundary: u32, before: u32, speed: i32) -> u32 {
     if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) }
@@ -206,14 +208,16 @@ const fn neighbour(sector: u8, backward: bool) -> u8 {
 /// A sector, less what the sector of an angle is rounded by.
 const INSIDE: u32 = SIXTH - (1 << 17);
 
-/// The angle, u32 turn, within which a sector boundary is commutated in this period: the rotor's way until the middle of the next period's blind start.
+/// The angle, u32 turn, within which a sector boundary is commutated in this period: the rotor's way until
+/// the middle of the next period's blind start.
 fn window(c: &CommutatorCoefficients, speed: i32) -> u32 {
     let per_tick = speed.saturating_abs();
     (per_tick as u32).saturating_add(part_of(per_tick, c.earliest.into()) / 2)
 }
 
-/// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the
-/// next period's blind start (before `earliest`) is taken at the end of this one: that is nearer.
+/// Returns the instant within this period at which the rotor leaves `sector`. A boundary that falls between
+/// the period's end and the middle of the next period's blind start (before `earliest`) is taken at the end
+/// of this period: that is nearer.
 fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u8) -> Option<u16> {
     if speed == 0 {
         return None;
@@ -225,12 +229,14 @@ fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u
     (ahead < window(c, speed)).then(|| instant_of(c, ahead, speed.unsigned_abs()))
 }
 
-/// When within this period a boundary that lies `ahead` is taken: what it does not reach, at its end.
+/// Returns the instant within this period at which a boundary that lies `ahead` is taken; a boundary that
+/// this period does not reach is taken at its end.
 fn instant_of(c: &CommutatorCoefficients, ahead: u32, per_tick: u32) -> u16 {
     if ahead >= per_tick { u16::MAX } else { part(ahead, per_tick).max(c.earliest) }
 }
 
-/// `ahead / per_tick` of a period in 1/65 536, in 32 bits: both scaled until the divisor has 16. `ahead` is less than `per_tick`.
+/// `ahead / per_tick` of a period in 1/65 536, in 32 bits: both scaled until the divisor has 16. `ahead` is
+/// less than `per_tick`.
 fn part(ahead: u32, per_tick: u32) -> u16 {
     let scale = 16_u32.saturating_sub(per_tick.leading_zeros());
     let instant = ((ahead >> scale) << 16) / (per_tick >> scale).max(1);

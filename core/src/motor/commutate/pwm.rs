@@ -1,11 +1,13 @@
-//! Answer of the control tick: the pattern now, commutations inside this period, duty and sampling of the next.
+//! Answer of the control tick: the pattern now, commutations inside this period, duty and sampling of the
+//! next.
 
 use super::commutation::Step;
 use crate::motor::sense::samples::SampleMode;
 use crate::units::Duty;
 use serde::{Deserialize, Serialize};
 
-/// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
+/// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period
+/// k + 1.
 // Copied in every tick: by words.
 #[repr(align(4))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,7 +16,7 @@ pub struct PwmCommand {
     pub duty: Duty,
     /// Freewheeling in period k + 1.
     pub rectification: Rectification,
-    /// When to sample in period k + 1, in 1/65 536 of it.
+    /// Sampling instant in period k + 1, in 1/65 536 of it.
     pub sample_at: u16,
     /// The part of the period in which that sample is taken.
     pub sample_mode: SampleMode,
@@ -33,7 +35,7 @@ pub struct Commutations([Option<Commutation>; 2]);
 #[repr(align(4))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commutation {
-    /// When, in 1/65 536 of the period.
+    /// Instant of the change, in 1/65 536 of the period.
     pub instant: u16,
     /// The pattern from then on.
     pub step: Step,

@@ -1,4 +1,5 @@
-//! The bus is never fed: a motor that would return energy coasts, and a rotor that turns already is caught with diodes.
+//! The bus is never fed: a motor that would return energy coasts, and a rotor that turns already is caught
+//! with diodes.
 
 use super::{Control, ControlCoefficients, MOTORING};
 use crate::motor::gain::Gain;
@@ -6,7 +7,7 @@ use crate::motor::sense::measurement::{Measured, Measurement};
 use crate::units::{quotient, saturate64};
 use serde::{Deserialize, Serialize};
 
-/// Where a motor began to coast.
+/// Speed and voltage at which a motor began to coast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Coasting {
     speed: i32,
@@ -33,12 +34,13 @@ impl Control {
         self.coast(c, measured, measurement, speed)
     }
 
-    /// A motor that is faster than its set-point and would feed the bus coasts, bridge off, until it has fallen to it. Then
-    /// the loops go on from the voltage they had, less what back-EMF has lost since: proportional to the speed.
+    /// A motor that is faster than its set-point and would feed the bus coasts, bridge off, until it has
+    /// fallen to it. Then the loops go on from the voltage they had, less what back-EMF has lost since:
+    /// proportional to the speed.
     ///
-    /// It looks at the filtered current, because at every commutation the winding's energy comes back in a pulse, and
-    /// that is no braking. Freewheeling through diodes instead would not do: discontinuous current drives an
-    /// unloaded motor beyond the speed that the same duty holds with switches.
+    /// It looks at the filtered current, because at every commutation the winding's energy comes back in a
+    /// pulse, and that is no braking. Freewheeling through diodes instead would not do: discontinuous current
+    /// drives an unloaded motor beyond the speed that the same duty holds with switches.
     fn coast(
         &mut self,
         c: &ControlCoefficients,
@@ -62,9 +64,9 @@ impl Control {
         self.coasting.is_some()
     }
 
-    /// After the bridge was off (sensors in doubt, a rotor that turned the other way) a rotor that still turns is caught at its
-    /// back-EMF, and with diodes until its speed is certain again: a duty that rises from 0 under switches would short it, and the
-    /// bus would get its energy.
+    /// After the bridge was off (sensors in doubt, a rotor that turned the other way) a rotor that still
+    /// turns is caught at its back-EMF, and with diodes until its speed is certain again: a duty that rises
+    /// from 0 under switches would short it, and the bus would get its energy.
     fn resume(&mut self, c: &ControlCoefficients, measurement: &Measurement, speed: i32) {
         if !core::mem::take(&mut self.interrupted) {
             return;
@@ -75,10 +77,10 @@ impl Control {
         self.output.duty = measurement.duty(self.speed_voltage);
     }
 
-    /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load current is
-    /// discontinuous and a voltage below back-EMF holds the speed, so before the switches take over, the controllers are
-    /// put at back-EMF, or the motor would brake. An idle motor never draws the current that ends it: there time does, where
-    /// back-EMF is known.
+    /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load
+    /// current is discontinuous and a voltage below back-EMF holds the speed, so before the switches take
+    /// over, the controllers are put at back-EMF, or the motor would brake. An idle motor never draws the
+    /// current that ends it: there time does, where back-EMF is known.
     fn finish_catching(
         &mut self,
         c: &ControlCoefficients,

@@ -24,7 +24,8 @@ pub struct ControlCoefficients {
     pub dead_time: u16,
     /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
     pub bus_guard: i32,
-    /// First level in closed loop (parameter 84). A level is raw I16F16: volts, or a share of the bus voltage (`levels_of_bus`).
+    /// First level in closed loop (parameter 84). A level is raw I16F16: volts, or a share of the bus voltage
+    /// (`levels_of_bus`).
     pub initial_level: i32,
     /// Levels are shares of the live bus voltage: there is no nominal supply (parameter 266 is 0).
     pub levels_of_bus: bool,

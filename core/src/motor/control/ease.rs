@@ -36,7 +36,8 @@ impl Default for Ease {
 }
 
 impl Control {
-    /// The tick at ease. False if something may come near a limit; then nothing is changed, and the tick is to be decided.
+    /// The tick at ease. False if something may come near a limit; then nothing is changed, and the tick is
+    /// to be decided.
     #[inline]
     pub fn divides(&mut self, c: &ControlCoefficients, bus_current: Amps, measurement: &Measurement) -> bool {
         let ease = &self.ease;
@@ -54,7 +55,8 @@ impl Control {
         fits
     }
 
-    /// After a decision: where none will be needed until the loops have had another turn. `duties` are sampled like this one.
+    /// After a decision: where none will be needed until the loops have had another turn. `duties` are
+    /// sampled like this one.
     pub fn ease(
         &mut self,
         c: &ControlCoefficients,
@@ -90,7 +92,8 @@ impl Control {
         }
     }
 
-    /// The speed loop has had its turn. The ease lasts if this tick's decision would let the new voltage pass the current limiter, which waits there then.
+    /// The speed loop has had its turn. The ease lasts if this tick's decision would let the new voltage pass
+    /// the current limiter, which waits there then.
     pub(super) fn keep_ease(&mut self, c: &ControlCoefficients, bus_current: Amps) {
         let (voltage, rise) = (self.speed_voltage, self.speed_voltage - self.wanted);
         let room = self.ease.current - bus_current.to_bits();

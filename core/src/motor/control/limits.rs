@@ -53,24 +53,27 @@ pub struct LimitCoefficients {
     pub bridge: i32,
 }
 
-/// Output power rating (Table 1), W: 150 W up to and including a bus of [`POWER_STEP`], 300 W above. What leaves the bridge is what enters it less the
-/// loss in its switches, I^2 R; losses that the drive cannot know make the motor's share smaller still.
+/// Output power rating (Table 1), W: 150 W up to and including a bus of [`POWER_STEP`], 300 W above. What
+/// leaves the bridge is what enters it less the loss in its switches, I^2 R; losses that the drive cannot
+/// know make the motor's share smaller still.
 #[inline]
 pub const fn power_rating(bus: Volts) -> u32 {
     if bus.to_bits() > POWER_STEP.to_bits() { 300 } else { 150 }
 }
-/// The 48 V of Table 1. A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
+/// The 48 V of Table 1. A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement
+/// tolerance.
 pub const POWER_STEP: Volts = Volts::from_milli(48_500);
 
-/// Continuous phase current (Table 2): 6 A rms, which six-step current with two phases of three in turn reaches at
-/// 6 sqrt(3/2) = 7.35 A; raw I16F16.
+/// Continuous phase current (Table 2): 6 A rms, which six-step current with two phases of three in turn
+/// reaches at 6 sqrt(3/2) = 7.35 A; raw I16F16.
 const CONTINUOUS: i32 = 481_589;
 /// Its square, A^2 with 16 fraction bits.
 const CONTINUOUS_SQUARE: i64 = 54 << 16;
 /// A current whose upper 24 bits do not exceed this heats nothing.
 const COLD: u32 = CONTINUOUS as u32 >> 8;
 const _: () = assert!((COLD as i64) * (COLD as i64) <= CONTINUOUS_SQUARE);
-/// Excess of I^2 over that, summed each millisecond, at which the continuous current alone is left: 12 A for 2 s.
+/// Excess of I^2 over that, summed each millisecond, at which the continuous current alone is left: 12 A for
+/// 2 s.
 const HEAT_MAX: i64 = (180 * 1000) << 16;
 
 /// State: the ramped limit of Table 11.
@@ -96,8 +99,9 @@ impl CurrentLimit {
         self.phase = c.phase_current;
     }
 
-    /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
-    /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A. True if a bound changed.
+    /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings
+    /// are looked at. Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean
+    /// phase current, raw I16F16 A. True if a bound changed.
     pub fn update(
         &mut self,
         c: &LimitCoefficients,
@@ -123,8 +127,8 @@ impl CurrentLimit {
         before != (self.bound, self.phase)
     }
 
-    /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an
-    /// integrator of 20 ms moves the bound until the filtered power is the rating.
+    /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So
+    /// an integrator of 20 ms moves the bound until the filtered power is the rating.
     fn rate_power(
         &mut self,
         c: &LimitCoefficients,
@@ -161,8 +165,8 @@ impl CurrentLimit {
         c.phase_current - ((above * (((self.heat >> 20) * FULL) >> 16)) >> 16) as i32
     }
 
-    /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
-    /// duty, so the phase bound is that much smaller here.
+    /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase
+    /// current times the duty, so the phase bound is that much smaller here.
     #[inline]
     pub fn bound(&self, duty: u16) -> (i32, Limiter) {
         let phase = ((self.phase as i64 * duty as i64) >> 15) as i32;

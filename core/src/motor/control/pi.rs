@@ -4,7 +4,8 @@ use crate::motor::gain::Gain;
 use crate::units::saturate64;
 use serde::{Deserialize, Serialize};
 
-/// Largest proportional part: 2^15 volts with 16 + 16 fraction bits, far above any output, far below overflow.
+/// Largest proportional part: 2^15 volts with 16 + 16 fraction bits, far above any output, far below
+/// overflow.
 const HEADROOM: i64 = 1 << 47;
 
 /// Less than that, by the upper word.
@@ -31,8 +32,8 @@ pub struct Pi {
 }
 
 impl Pi {
-    /// The output for `error`, within `minimum..=maximum`. The integrator never holds more than brings the output to
-    /// one of them.
+    /// The output for `error`, within `minimum..=maximum`. The integrator never holds more than brings the
+    /// output to one of them.
     #[inline]
     pub fn step(&mut self, gains: &PiGains, error: i32, minimum: i32, maximum: i32) -> i32 {
         let (low, high) = (i64::from(minimum) << 16, i64::from(maximum.max(minimum)) << 16);
@@ -56,9 +57,10 @@ impl Pi {
         saturate64((self.integrator + proportional).min(high).max(low) >> 16)
     }
 
-    /// Back-calculation: something else decided `applied`, so the integrator goes to what would have given that
-    /// output for the present `error`, by an eighth a tick: a limit that is touched by the current's ripple, a few ticks in every
-    /// step, must not set back the mean. The controller takes over again when its error asks for it, without a bump.
+    /// Back-calculation: something else decided `applied`, so the integrator goes to what would have given
+    /// that output for the present `error`, by an eighth a tick: a limit that is touched by the current's
+    /// ripple, a few ticks in every step, must not set back the mean. The controller takes over again when
+    /// its error asks for it, without a bump.
     #[inline]
     pub fn track(&mut self, gains: &PiGains, applied: i32, error: i32) {
         let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
@@ -78,8 +80,8 @@ impl Pi {
         self.integrator == i64::from(output) << 16
     }
 
-    /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional part alone is
-    /// the distance to intervening.
+    /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional
+    /// part alone is the distance to intervening.
     #[inline]
     pub fn wait(&mut self, applied: i32) {
         self.integrator = i64::from(applied) << 16;

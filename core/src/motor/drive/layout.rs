@@ -3,15 +3,17 @@
 use super::Drive;
 use postcard::ser_flavors::Flavor;
 
-/// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of theirs.
+/// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of
+/// theirs.
 pub const LAYOUT_VERSION: u16 = 10;
 
 /// Version of the drive's answers to its inputs: rises with every change that moves a digest.
 pub const BEHAVIOUR_VERSION: u16 = 10;
 
 impl Drive {
-    /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that
-    /// serialises the state by a way of its own brings another copy of the code for every field.
+    /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this
+    /// one way, because all that serialises the state by a way of its own brings another copy of the code for
+    /// every field.
     pub fn write_state(&self, each: &mut dyn FnMut(u8) -> bool) {
         // The only error is the one that a declined byte makes.
         let _ = postcard::serialize_with_flavor(self, Bytes(each));

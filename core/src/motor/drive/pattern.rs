@@ -32,7 +32,8 @@ impl Pattern {
 }
 
 impl Drive {
-    /// Sets what this state wants of the bridge. The rotor's position if the commutator is to choose the step, `None` if one is held or the bridge is off.
+    /// Sets what this state wants of the bridge. The rotor's position if the commutator is to choose the
+    /// step, `None` if one is held or the bridge is off.
     #[inline]
     pub(super) fn choose_demand(&mut self, samples: &Samples) -> Option<Position> {
         let held = match self.rotor.source() {
@@ -81,7 +82,8 @@ impl Drive {
             Plan::Speed(fade) => self.want(Demand::Speed(fade)),
             Plan::Level(level) => {
                 self.want(Demand::Level(level));
-                // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the winding's energy would go to the bus.
+                // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the
+                // winding's energy would go to the bus.
                 self.pattern.short = true;
             }
             Plan::Coast => return self.hold(Pattern::OFF),
@@ -107,8 +109,8 @@ impl Drive {
         }
     }
 
-    /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is off that
-    /// of the second.
+    /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is
+    /// off that of the second.
     fn calibration_lock(&mut self) -> Pattern {
         let c = &self.coefficients.machine;
         let level = self.lock.value();
@@ -134,8 +136,8 @@ impl Drive {
         Some(Position { angle: field.angle(now), speed: field.speed() })
     }
 
-    /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
-    /// where no current is measured. So is one whose sensors contradict themselves.
+    /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the
+    /// bridge, where no current is measured. So is one whose sensors contradict themselves.
     #[inline]
     fn hall_closed_loop(&mut self) -> Option<Position> {
         let torque = self.machine.direction();
@@ -148,8 +150,9 @@ impl Drive {
         Some(Position { angle: self.rotor.hall.angle(self.now), speed: self.rotor.hall.speed() })
     }
 
-    /// Sets what is applied. A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself. The step acts in this period and the
-    /// duty in the next, so the bridge goes off when the duty that is in force is 0, too.
+    /// Sets what is applied. A duty of 0 leaves the bridge off: with the low side on, a turning motor would
+    /// brake itself. The step acts in this period and the duty in the next, so the bridge goes off when the
+    /// duty that is in force is 0, too.
     #[inline]
     pub(super) fn command(&mut self, duty: Duty, rectification: Rectification) {
         let Pattern { demand, short, .. } = self.pattern;
@@ -172,8 +175,8 @@ impl Drive {
         (shortest, shortest - shortest / 8)
     }
 
-    /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one after it has ended; down to an eighth below the
-    /// limit the mode stays.
+    /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one
+    /// after it has ended; down to an eighth below the limit the mode stays.
     #[inline]
     fn sampling(&self, duty: u16) -> (u16, SampleMode) {
         let (begins, lasts) = self.on_time;
@@ -184,7 +187,8 @@ impl Drive {
         }
     }
 
-    /// Where the off-time is sampled: the pulse ends at D/2 of the period, and duty (1/32 768) is that many 1/65 536.
+    /// Sampling instant in the off-time: the pulse ends at D/2 of the period, and duty (1/32 768) is that
+    /// many 1/65 536.
     #[inline]
     pub(super) const fn after_pulse(&self, duty: u16) -> u16 {
         duty.saturating_add(self.coefficients.sample_settle)
@@ -193,6 +197,6 @@ impl Drive {
 
 /// Shortest pulse that is sampled in its middle if parameter 272 allows less: 1 us at 10 kHz, raw U1F15.
 const ON_TIME_LEAST: u16 = 327;
-/// Where nothing depends on it the mode changes at 25 and 20 % duty, raw U1F15.
+/// Duties at which the mode changes where nothing depends on it: 25 and 20 %, raw U1F15.
 const ON_ABOVE: u16 = 32_768 / 4 + 1;
 const OFF_BELOW: u16 = 32_768 / 5;

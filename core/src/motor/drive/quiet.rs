@@ -59,7 +59,7 @@ impl Drive {
             && self.quiet.current.contains(current.to_bits())
     }
 
-    /// When the stations have to be asked again if the samples stay quiet: the earliest of their deadlines.
+    /// Time at which the stations must run again if the samples stay quiet: the earliest of their deadlines.
     #[inline]
     pub(super) fn deadline(&self) -> Instant {
         if self.watchful || self.steers {

@@ -9,7 +9,7 @@ use crate::motor::sense::samples::Samples;
 use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
 
-/// When a status is due: every millisecond, and when state or fault word change.
+/// Timing of status reports: every millisecond, and when the state or the fault word changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Reports {
     state: State,
@@ -64,7 +64,8 @@ impl Drive {
         self.reports = Reports { state, faults, stirred, due: true, tick, terminals };
     }
 
-    /// Set-point after saturation and ramp while a speed loop or the open-loop field runs, signed, raw I16F16 electrical rev/s.
+    /// Set-point after saturation and ramp while a speed loop or the open-loop field runs, signed, raw I16F16
+    /// electrical rev/s.
     pub(super) fn setpoint(&self) -> i32 {
         let closed = match self.machine.state() {
             State::HallClosedLoop => true,
@@ -82,12 +83,14 @@ impl Drive {
         }
     }
 
-    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by back-EMF, or that of the open-loop field; 0 if neither is there.
+    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by back-EMF, or that of the open-loop
+    /// field; 0 if neither is there.
     pub(super) fn speed_sensorless(&self) -> i32 {
         self.rotor.speed_without_halls(&self.coefficients, self.now, self.machine.direction())
     }
 
-    /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads or follows it.
+    /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads
+    /// or follows it.
     fn loses_sight(&self) -> bool {
         // The position is counted from the end of Initialization.
         let counts = self.machine.state() != State::Initialization && self.rotor.hall.is_mute();

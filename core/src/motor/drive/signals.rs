@@ -13,13 +13,14 @@ impl Drive {
         self.protection.word()
     }
 
-    /// What became of the last step's zero crossing, how far the last accepted one lay behind its prediction (turn of 65 536), and how many were
-    /// accepted.
+    /// Outcome of the last step's zero crossing, lag of the last accepted one behind its prediction (turn of
+    /// 65 536), and number of accepted crossings.
     pub const fn crossing(&self) -> (Why, i16, u32) {
         self.rotor.sensorless.why()
     }
 
-    /// Sample of a signal as of the last step, Q3.12 of its base in [`DRIVE_SIGNALS`](crate::motor::signal::DRIVE_SIGNALS): what a scope would record.
+    /// Sample of a signal as of the last step, Q3.12 of its base in
+    /// [`DRIVE_SIGNALS`](crate::motor::signal::DRIVE_SIGNALS): what a scope would record.
     pub fn signal(&self, signal: Signal, shaft: ShaftScale, samples: &Samples) -> i16 {
         self.sample(signal, shaft, samples) as i16
     }
@@ -29,8 +30,8 @@ impl Drive {
         !self.machine.state().is_driving() || self.asked != self.now
     }
 
-    /// Samples of four signals, as of the last step, Q3.12 of their bases. Not a loop: within one the compiler would compute every signal there
-    /// is before it, or call each.
+    /// Samples of four signals, as of the last step, Q3.12 of their bases. Not a loop: within one the
+    /// compiler would compute every signal there is before it, or call each.
     #[inline]
     pub(crate) fn sample4(
         &self,
@@ -46,7 +47,8 @@ impl Drive {
         *to_d = self.sample(*d, shaft, samples) as u16;
     }
 
-    /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot leave the range is not bounded.
+    /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot
+    /// leave the range is not bounded.
     #[inline]
     pub(crate) fn sample(&self, signal: Signal, shaft: ShaftScale, samples: &Samples) -> i32 {
         let terminal = |code| bounded(self.coefficients.measurement.phase_voltage.convert(code) >> 8);
@@ -87,7 +89,8 @@ impl Drive {
         }
     }
 
-    /// Electrical angle that the commutation uses, u32 turn: extrapolated to `now`, also while the estimator is not asked.
+    /// Electrical angle that the commutation uses, u32 turn: extrapolated to `now`, also while the estimator
+    /// is not asked.
     #[inline]
     pub(super) fn angle(&self) -> u32 {
         if let Some(lock) = self.applied.step.lock_angle()

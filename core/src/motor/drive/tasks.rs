@@ -1,5 +1,5 @@
-//! The tasks of each millisecond, one a tick. A tick with an edge, a crossing or a commutation leaves its task to a
-//! later one.
+//! The tasks of each millisecond, one a tick. A tick with an edge, a crossing or a commutation leaves its
+//! task to a later one.
 
 use super::Drive;
 use crate::motor::clock::Instant;
@@ -24,7 +24,8 @@ pub(super) struct Tasks {
     next: u32,
     /// The first tick of the next millisecond.
     end: Instant,
-    /// Speed of a closed loop as the speed loop has seen it last, a magnitude in the direction of torque, raw I16F16 electrical rev/s.
+    /// Speed of a closed loop as the speed loop has seen it last, a magnitude in the direction of torque, raw
+    /// I16F16 electrical rev/s.
     speed: i32,
 }
 
@@ -36,7 +37,8 @@ impl Tasks {
 }
 
 impl Drive {
-    /// Does the next task. A `busy` tick leaves it to a later one while the millisecond has more ticks than tasks.
+    /// Does the next task. A `busy` tick leaves it to a later one while the millisecond has more ticks than
+    /// tasks.
     #[inline(never)]
     pub(super) fn do_task(&mut self, busy: bool, samples: &Samples, current: Amps) {
         let (now, next) = (self.now, self.tasks.next);
@@ -47,7 +49,8 @@ impl Drive {
                 return self.do_all(ticks, samples, current);
             }
         }
-        // The first round after power-up has no end yet, so a second one follows at once; nothing turns then, and no tick is busy.
+        // The first round after power-up has no end yet, so a second one follows at once; nothing turns then,
+        // and no tick is busy.
         let ticks_left = self.tasks.end.since(now);
         if busy && ticks_left > TASKS - next {
             return;

@@ -1,4 +1,4 @@
-//! When the state changes, and what a transition sets up.
+//! Changes of the state, and the set-up that each transition does.
 
 use super::Drive;
 use crate::motor::machine::event::HallCalibration;
@@ -64,7 +64,8 @@ impl Drive {
         let direction = self.machine.direction();
         let bus = self.measurement.bus_voltage();
         match change.row.to {
-            // Faults that were seen while supplies came up and have gone are dropped; those still present are latched again in the next tick.
+            // Faults that were seen while supplies came up and have gone are dropped; those still present are
+            // latched again in the next tick.
             State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
             State::Fault if change.row.from == State::Initialization => {
                 self.protection.raise_boot_failure(self.health);

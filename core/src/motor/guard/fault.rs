@@ -50,8 +50,8 @@ impl FaultWord {
     /// The bits of the parameter store.
     pub const STORE: Self = Self::STORE_MISMATCH.union(Self::STORE_ABSENT).union(Self::STORE_VERSION);
 
-    /// The bits that are critical under a mask (parameter 115, 1 = critical). The warning never is; what protects the power
-    /// stage always is while `driving`.
+    /// The bits that are critical under a mask (parameter 115, 1 = critical). The warning never is; what
+    /// protects the power stage always is while `driving`.
     #[must_use]
     pub const fn critical(mask: u32, driving: bool) -> Self {
         let chosen = Self::from_bits_truncate(mask);
@@ -60,7 +60,8 @@ impl FaultWord {
     }
 }
 
-/// Why a fault bit is set, finer than the bit: the Extended Fault Code is `bit << 8 | n`, n from 1 within the bit.
+/// Reason why a fault bit is set, finer than the bit: the Extended Fault Code is `bit << 8 | n`, n from 1
+/// within the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u16)]
 #[allow(missing_docs, reason = "`Cause::TABLE` says what each is, for programs too")]

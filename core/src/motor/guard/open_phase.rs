@@ -1,7 +1,7 @@
 //! Open phase: voltage is applied and no current flows where it should.
 //!
-//! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
-//! at rest a step that includes X carries nothing at a voltage that must drive a current.
+//! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do;
+//! with the motor at rest a step that includes X carries nothing at a voltage that must drive a current.
 
 use crate::motor::commutate::commutation::Step;
 use crate::units::{Amps, Duty};
@@ -34,12 +34,14 @@ pub struct OpenPhase {
 const AT_REST: u8 = 100;
 /// Consecutive steps, three electrical revolutions.
 const EVIDENCE: u8 = 18;
-/// Fewer counted ticks in a step prove nothing. The current dips at every commutation, and in steps of 2 1/3 ticks a single sample falls into the dip of
-/// the same phase's steps revolution after revolution: a motor without load, whose current is near [`NONE`], then looks like one with an open phase.
+/// Fewer counted ticks in a step prove nothing. The current dips at every commutation, and in steps of 2 1/3
+/// ticks a single sample falls into the dip of the same phase's steps revolution after revolution: a motor
+/// without load, whose current is near [`NONE`], then looks like one with an open phase.
 const COUNTED_MIN: u32 = 2;
 
 impl OpenPhase {
-    /// One tick of a step: is there current? The mean of the first one is still in part that of the step before.
+    /// One tick of a step: is there current? The mean of the first one is still in part that of the step
+    /// before.
     #[inline]
     pub const fn count(&mut self, current: Amps) {
         // Wraps after days in one step.
@@ -49,7 +51,8 @@ impl OpenPhase {
         }
     }
 
-    /// Once a millisecond: the rotor is at rest (`stopped`), or not known to turn: a voltage must drive a current. True if a phase is open.
+    /// Once a millisecond: the rotor is at rest (`stopped`), or not known to turn: a voltage must drive a
+    /// current. True if a phase is open.
     pub fn rest(&mut self, applied: Step, duty: Duty, stopped: bool) -> bool {
         let silent = self.carrying == core::mem::replace(&mut self.carried_at_rest, self.carrying);
         let pressing = stopped && silent && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
@@ -57,7 +60,8 @@ impl OpenPhase {
         self.is_found()
     }
 
-    /// From the next tick on `step` is applied: what has been seen of the one before is judged. True if a phase is open.
+    /// From the next tick on `step` is applied: what has been seen of the one before is judged. True if a
+    /// phase is open.
     #[inline]
     pub fn change(&mut self, step: Step) -> bool {
         if step != self.step {
@@ -78,8 +82,9 @@ impl OpenPhase {
         *self = Self::default();
     }
 
-    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive. The
-    /// freewheeling rest of the step before may still show in a dead one; what is neither proves nothing.
+    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it
+    /// alive. The freewheeling rest of the step before may still show in a dead one; what is neither proves
+    /// nothing.
     fn judge(&mut self) {
         let Some(floating) = self.step.floating() else { return };
         let counted = self.ticks.saturating_sub(1);

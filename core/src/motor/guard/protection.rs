@@ -127,7 +127,7 @@ impl Qualifier {
         self.step(now, value < limit.trip, value > limit.clear, limit.ticks)
     }
 
-    /// When it becomes active if nothing changes.
+    /// Time at which it becomes active if nothing changes.
     fn end(self, now: Instant, ticks: u16) -> Instant {
         match self {
             Self::Qualifying(since) => since.after(u32::from(ticks).saturating_sub(1)),
@@ -219,7 +219,8 @@ pub struct Protection {
     over_pressure: Qualifier,
     overspeed: Qualifier,
     shutdown_line: Qualifier,
-    /// Largest overspeed threshold of this driven episode: a limit that is lowered live is for the set-point to follow first.
+    /// Largest overspeed threshold of this driven episode: a limit that is lowered live is for the set-point
+    /// to follow first.
     overspeed_trip: i32,
     hall: HallCounts,
     live: FaultWord,
@@ -249,9 +250,10 @@ impl Protection {
         self.due = now;
     }
 
-    /// When everything has to be looked at again, if until then the digital inputs stay as they are, the bus voltage within
-    /// [`calm_voltages`](Self::calm_voltages), the bus current within [`bus_current`](ProtectionCoefficients::bus_current), and the slow
-    /// measurements where they [change nothing](Self::stays_calm_at).
+    /// Time at which everything must be evaluated again. It holds while the digital inputs stay as they are,
+    /// the bus voltage stays within [`calm_voltages`](Self::calm_voltages), the bus current within
+    /// [`bus_current`](ProtectionCoefficients::bus_current), and the slow measurements in the range in which
+    /// they [change nothing](Self::stays_calm_at).
     #[inline]
     pub const fn due(&self) -> Instant {
         self.due
@@ -275,7 +277,8 @@ impl Protection {
         self.overspeed_trip
     }
 
-    /// No edge backward is counted. While one is, an edge forward takes it back, so the fault logic has to see that, too.
+    /// No edge backward is counted. While one is, an edge forward takes it back, so the fault logic has to
+    /// see that, too.
     #[inline]
     pub const fn goes_forward(&self) -> bool {
         self.hall.backwards == 0
@@ -291,7 +294,8 @@ impl Protection {
         Band::new(low.max(least), high.min(most))
     }
 
-    /// Current, speed and the counts of the hall sensors change from tick to tick: while one of them may become a fault, every tick looks.
+    /// Current, speed and the counts of the hall sensors change from tick to tick: while one of them may
+    /// become a fault, every tick looks.
     fn deadline(&self, c: &ProtectionCoefficients, now: Instant) -> Instant {
         let HallCounts { invalid, jumps, stalled, .. } = self.hall;
         let rest = [self.over_current, self.overspeed].iter().all(|limit| *limit == Qualifier::AtRest);

@@ -1,5 +1,6 @@
-//! The rails that keep a sensorless motor from running wrong unnoticed. Each ends the episode (the drive listens and starts again); episodes
-//! fill a leaky bucket, and a full one is a fault with the name of what filled it.
+//! The rails that keep a sensorless motor from running wrong unnoticed. Each ends the episode (the drive
+//! listens and starts again); episodes fill a leaky bucket, and a full one is a fault with the name of what
+//! filled it.
 
 use super::fault::Cause;
 use crate::motor::gain::Gain;
@@ -11,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct RailCoefficients {
     /// Volts per raw ampere (parameter 268), 0 unknown.
     pub resistance: Gain,
-    /// Volts that turning the current over in six commutations a revolution costs, per raw ampere and raw rev/s: 3 L
-    /// (parameter 283) with 16 extra bits, 0 unknown.
+    /// Volts that turning the current over in six commutations a revolution costs, per raw ampere and raw
+    /// rev/s: 3 L (parameter 283) with 16 extra bits, 0 unknown.
     pub commutation: Gain,
     /// Volts per electrical rev/s (parameter 267), 0 unknown.
     pub back_emf: Gain,
@@ -86,9 +87,11 @@ impl Rails {
         *self = Self::default();
     }
 
-    /// Once a millisecond in closed loop: `voltage` applied, mean phase `current`, and the speed that the crossings claim; all raw
-    /// I16F16. What the resistance leaves of the voltage is back-EMF; a copper between 0.85 and 1.9 times nominal (cold, and at 190 degrees) and a
-    /// back-EMF between 0.72 and 1.3 times what the speed claims are believed (hot magnets leave 0.8, a strong lot has 1.05). True when they have disagreed for long.
+    /// Once a millisecond in closed loop: `voltage` applied, mean phase `current`, and the speed that the
+    /// crossings claim; all raw I16F16. What the resistance leaves of the voltage is back-EMF; a copper
+    /// between 0.85 and 1.9 times nominal (cold, and at 190 degrees) and a back-EMF between 0.72 and 1.3
+    /// times what the speed claims are believed (hot magnets leave 0.8, a strong lot has 1.05). True when
+    /// they have disagreed for long.
     pub fn is_wrong_lock(&mut self, c: &RailCoefficients, voltage: i32, current: i32, speed: i32) -> bool {
         if c.back_emf == Gain::ZERO || c.resistance == Gain::ZERO {
             return false;

@@ -30,7 +30,8 @@ pub enum Event {
     Health(Health),
     /// Run the hall calibration at the next start instead of the control mode (true), or not (false).
     CalibrateHall(bool),
-    /// A valid MOTOR_CMD arrived: a new set-point magnitude, the request stays. Feeds the time-out, acknowledges nothing.
+    /// A valid MOTOR_CMD arrived: a new set-point magnitude, the request stays. Feeds the time-out,
+    /// acknowledges nothing.
     SetPoint(ElectricalSpeed),
 }
 
@@ -49,7 +50,7 @@ pub struct Status {
     pub extended_code: u16,
     /// No valid command for the time-out period.
     pub command_expired: bool,
-    /// Why the last start was refused; stays until Standby is requested.
+    /// Reason why the last start was refused; stays until Standby is requested.
     pub refusal: Refusal,
     /// Bus below 18 V: a diagnostic, not a fault.
     pub supply_low: bool,
@@ -63,7 +64,8 @@ pub struct Status {
     pub speed_sensorless: ElectricalSpeed,
     /// Electrical angle that the commutation uses.
     pub angle: ElectricalAngle,
-    /// Sectors turned since power-up, signed: 6 an electrical revolution. By the hall sensors, or by the commutation where they show nothing.
+    /// Sectors turned since power-up, signed: 6 an electrical revolution. By the hall sensors, or by the
+    /// commutation where they show nothing.
     pub sectors: i32,
     /// The rotor is known to stand.
     pub standstill: bool,

@@ -128,8 +128,8 @@ use State::{
     Standby,
 };
 
-/// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the priority: critical fault,
-/// Standby request, communication time-out, reversal, time and speed.
+/// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the
+/// priority: critical fault, Standby request, communication time-out, reversal, time and speed.
 pub const TRANSITIONS: [Transition; 34] = [
     t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
     t("T01", Initialization, Standby, C::BOOTED, ANY),
@@ -173,10 +173,12 @@ pub const TRANSITIONS: [Transition; 34] = [
     t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
 
-/// Conditions that a start samples and that hold until the next one: they decide which row fires, never that one does.
+/// Conditions that a start samples and that hold until the next one: they decide which row fires, never that
+/// one does.
 const MODES: Conditions = C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
 
-/// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the rarer counts.
+/// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the
+/// rarer counts.
 const TRIGGERS: [Conditions; 8] = {
     let mut triggers = [ANY; 8];
     let mut index = 0;

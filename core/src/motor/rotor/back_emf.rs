@@ -1,9 +1,9 @@
 //! Back-EMF of the floating phase: what one sample, or one comparator edge, says of the rotor.
 //!
-//! The floating terminal is compared with the mean of the other two, which is the same point as the mean of all three. In the
-//! on-time the other two are at bus and ground, so the reference is half of the bus as it is now; in the off-time both are
-//! at ground; with the bridge off it is the neutral. The signal is twice the floating terminal less the other two, signed so that it
-//! rises through 0 at the crossing:
+//! The floating terminal is compared with the mean of the other two, which is the same point as the mean of
+//! all three. In the on-time the other two are at bus and ground, so the reference is half of the bus as it
+//! is now; in the off-time both are at ground; with the bridge off it is the neutral. The signal is twice the
+//! floating terminal less the other two, signed so that it rises through 0 at the crossing:
 //!
 //! ```text
 //!  x        hidden    Before        After
@@ -13,8 +13,9 @@
 //!        commutation                     commutation
 //! ```
 //!
-//! In the off-time a terminal below ground reads 0 (diode and converter end there): the threshold then lies a little above 0 and
-//! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
+//! In the off-time a terminal below ground reads 0 (diode and converter end there): the threshold then lies a
+//! little above 0 and the crossing is found where the flank, whose slope is known from the back-EMF constant,
+//! came from.
 
 mod edges;
 mod window;
@@ -55,7 +56,7 @@ pub struct BackEmfCoefficients {
     pub emf_of_turns: Gain,
 }
 
-/// Where the motor is expected to run.
+/// Operating point at which the motor is expected to run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OperatingPoint {
     /// Which way the torque acts.
@@ -72,7 +73,8 @@ pub enum Sight {
     Nothing,
     /// The rotor has not reached the middle of the sector.
     Before,
-    /// The level beyond the crossing stands since the blanking ended: the crossing came earlier than it could be seen.
+    /// The level beyond the crossing stands since the blanking ended: the crossing came earlier than it could
+    /// be seen.
     Late,
     /// A healthy crossing.
     Crossing {
@@ -90,7 +92,8 @@ pub enum End {
     Seen,
     /// Neither the crossing nor the level beyond it was seen.
     Missed,
-    /// Its crossing came within the very period in which the pattern changed, `age` (1/65 536 tick) before the present boundary.
+    /// Its crossing came within the very period in which the pattern changed, `age` (1/65 536 tick) before
+    /// the present boundary.
     Crossing {
         /// The sector whose crossing it is.
         sector: u8,
@@ -157,12 +160,12 @@ pub struct BackEmf {
     after_run: u8,
     /// Comparator outputs as last captured.
     code: u8,
-    /// Where in its period the sample before was taken, 1/65 536.
+    /// Sampling instant of the previous sample in its period, 1/65 536.
     sampled_at: u16,
     /// The first boundary of the step, and its age there, 1/65 536 tick.
     began: Instant,
     first_age: u32,
-    /// When its blanking ends, 1/65 536 tick, and the first tick whose sample is taken after that.
+    /// End of its blanking, 1/65 536 tick, and the first tick whose sample is taken after that.
     blank: u32,
     visible: Instant,
     /// Expected time of the step, as it began, 1/65 536 tick; 0 unknown.
@@ -180,8 +183,8 @@ pub struct BackEmf {
 }
 
 impl BackEmf {
-    /// Distance that the signal must go beyond its threshold. The first sign of motion moves the field on. In the next step a rotor that hardly turns
-    /// has half the torque, so it must be well on its way.
+    /// Distance that the signal must go beyond its threshold. The first sign of motion moves the field on. In
+    /// the next step a rotor that hardly turns has half the torque, so it must be well on its way.
     #[inline]
     const fn beyond(&self) -> i32 {
         if self.interval == 0 { FIRST_SIGN * self.noise } else { self.noise }
@@ -224,7 +227,8 @@ impl BackEmf {
         (self.quiet.hidden, self.quiet.band) = (now, Band::EMPTY);
     }
 
-    /// Finds out what this tick shows. `bus_voltage` is raw I16F16 V as it is now; the sample was taken at `sample_at` of its period.
+    /// Finds out what this tick shows. `bus_voltage` is raw I16F16 V as it is now; the sample was taken at
+    /// `sample_at` of its period.
     #[inline(always)]
     pub fn look(
         &mut self,
@@ -255,8 +259,9 @@ impl BackEmf {
         sight
     }
 
-    /// From here on a sample of this `mode` says nothing new as long as it stays in the band set here, and it brings the crossing as far as is set here: the
-    /// first one certainly before the crossing makes what follows healthy. A mean of several samples needs them all.
+    /// From here on a sample of this `mode` says nothing new as long as it stays in the band set here, and it
+    /// brings the crossing as far as is set here: the first one certainly before the crossing makes what
+    /// follows healthy. A mean of several samples needs them all.
     #[inline]
     fn rest_by(&mut self, mode: SampleMode) {
         const END: i32 = 1 << 20;
@@ -297,7 +302,8 @@ impl BackEmf {
         self.passage == Passage::Found
     }
 
-    /// From that tick on the crossing is overdue, and a sample that lies before it is news; `None`: no crossing is awaited.
+    /// From that tick on the crossing is overdue, and a sample that lies before it is news; `None`: no
+    /// crossing is awaited.
     #[inline]
     pub fn expect(&mut self, overdue: Option<Instant>) {
         self.quiet.overdue = overdue.unwrap_or(self.began.after(u32::MAX));
@@ -452,9 +458,10 @@ impl BackEmf {
         sight
     }
 
-    /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
-    /// anew. For a rotor of unknown speed that lasts as long as it takes; one that turns may cross behind it, and from three eighths of the
-    /// step on that is a late crossing.
+    /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a
+    /// rail: no evidence, and the mean starts anew. For a rotor of unknown speed that lasts as long as it
+    /// takes; one that turns may cross behind it, and from three eighths of the step on that is a late
+    /// crossing.
     #[inline]
     fn demagnetises(
         &mut self,
@@ -481,8 +488,8 @@ impl Watch {
     }
 }
 
-/// Blanking = max(time floor, an eighth of the step), but a sample before the crossing must be left: at most a quarter of
-/// the step.
+/// Blanking = max(time floor, an eighth of the step), but a sample before the crossing must be left: at most
+/// a quarter of the step.
 fn blanking(c: &BackEmfCoefficients, interval: u32) -> u32 {
     if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) }
 }
@@ -492,8 +499,8 @@ fn watch(step: Step, torque: Direction) -> Option<Watch> {
     Some(Watch { sector: step.rotor_sector(torque)?, phase: step.floating()? })
 }
 
-/// The floating terminal is at a rail: current into it before a rising crossing, out of it before a falling one, on the far side of the
-/// crossing.
+/// The floating terminal is at a rail: current into it before a rising crossing, out of it before a falling
+/// one, on the far side of the crossing.
 #[inline]
 fn is_held(c: &BackEmfCoefficients, samples: &Samples, bus_voltage: i32, watch: Watch) -> bool {
     let code = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);

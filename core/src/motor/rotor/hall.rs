@@ -1,8 +1,9 @@
 //! Hall sensors: codes and edges to sector, angle and speed.
 //!
 //! A neighbouring code in the direction of motion after a plausible interval is taken at once. Anything else
-//! (too early, backwards, not a neighbour) must still be there one tick later: that is the debounce, and it costs a
-//! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
+//! (too early, backwards, not a neighbour) must still be there one tick later: that is the debounce, and it
+//! costs a healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts,
+//! not from one.
 
 use crate::motor::clock::Instant;
 use crate::motor::commutate::commutation::{Direction, SECTOR, sector_of};
@@ -28,7 +29,8 @@ const SAMPLED_AGE: u32 = TICK / 2;
 const LONGEST: u32 = 1 << 28;
 /// No sector.
 const INVALID: u8 = 0xFF;
-/// Sector by code of correctly wired sensors; bit 0 = A. A is high from 330 to 150 degrees, B and C 120 later each.
+/// Sector by code of correctly wired sensors; bit 0 = A. A is high from 330 to 150 degrees, B and C 120 later
+/// each.
 const SECTOR_BY_CODE: [u8; 8] = [INVALID, 0, 2, 1, 4, 5, 3, INVALID];
 /// The permutations by order number (parameter 262): which line is A, B, C.
 const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
@@ -103,7 +105,8 @@ pub struct Hall {
     age: u32,
     /// No edge for the time-out, or none at all yet.
     still: bool,
-    /// The intervals of the present run in one direction, newest first, 0 where there is none; and how many there are.
+    /// The intervals of the present run in one direction, newest first, 0 where there is none; and how many
+    /// there are.
     intervals: [u32; 6],
     valid: u8,
     /// Direction of the last edge.
@@ -116,7 +119,7 @@ pub struct Hall {
     span: u32,
     /// Speed over up to one revolution, 2^-32 turn a tick, signed.
     speed: i32,
-    /// When time alone changes something, if the code stays.
+    /// Time at which time alone changes something, if the code stays.
     due: Instant,
     /// Ticks in a row with the level 000 or 111; counted to [`INVALID_RUN_MAX`].
     invalid_run: u8,
@@ -157,8 +160,9 @@ const INVALID_RUN_MAX: u8 = 3;
 const CONVINCING: u8 = 2;
 
 impl Hall {
-    /// One tick: takes the edges of the period that ended and the present level. Between deadlines a tick with the level of the last one and no edge changes
-    /// nothing. Mute sensors answer `invalid` in every tick, so whoever counts that asks in every tick.
+    /// One tick: takes the edges of the period that ended and the present level. Between deadlines a tick
+    /// with the level of the last one and no edge changes nothing. Mute sensors answer `invalid` in every
+    /// tick, so whoever counts that asks in every tick.
     #[inline]
     pub fn step(&mut self, c: &HallCoefficients, now: Instant, samples: &Samples) -> HallEvents {
         let level = c.sectors[(samples.hall & 7) as usize];
@@ -179,7 +183,7 @@ impl Hall {
         events
     }
 
-    /// When [`step`](Self::step) has to be called even if the level stays.
+    /// Time at which [`step`](Self::step) must be called even if the level stays.
     #[inline]
     pub const fn due(&self) -> Instant {
         self.due
@@ -190,7 +194,8 @@ impl Hall {
         self.due = now;
     }
 
-    /// Changes that time alone brings: standstill, and the end of the span in which the angle is interpolated.
+    /// Changes that time alone brings: standstill, and the end of the span in which the angle is
+    /// interpolated.
     #[inline(never)]
     fn expire(&mut self, c: &HallCoefficients, now: Instant) {
         if !self.still && self.since_edge(now) >= c.timeout {
@@ -216,7 +221,8 @@ impl Hall {
         let clamped =
             room.checked_div(self.interpolated.unsigned_abs()).unwrap_or(u32::MAX).saturating_add(1);
         match standstill.min(clamped) {
-            // Nothing is left to expire. Counted from the last edge the farthest deadline would come, and stay.
+            // Nothing is left to expire. Counted from the last edge the farthest deadline would come, and
+            // stay.
             u32::MAX => now.after(u32::MAX),
             left => self.entered.after(left),
         }
@@ -228,8 +234,8 @@ impl Hall {
         if self.still { u32::MAX } else { self.age.saturating_add(now.time_since(self.entered)) }
     }
 
-    /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a plausible interval, and
-    /// the level agrees. Its age.
+    /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a
+    /// plausible interval, and the level agrees. Its age.
     #[inline]
     fn moves_on(&self, c: &HallCoefficients, now: Instant, samples: &Samples, level: u8) -> Option<u32> {
         let [edge] = samples.edges.as_slice() else { return None };
@@ -256,8 +262,8 @@ impl Hall {
             self.observe(c, now, edge.code, TICK - edge.instant as u32, &mut events);
         }
         self.confirm(c, now, waiting, level, &mut events);
-        // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to the
-        // next tick, unless it was lost, and then the candidate is confirmed there.
+        // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to
+        // the next tick, unless it was lost, and then the candidate is confirmed there.
         self.invalid_run = if level == INVALID { (self.invalid_run + 1).min(INVALID_RUN_MAX) } else { 0 };
         if level == INVALID {
             events.invalid = true;
@@ -282,8 +288,8 @@ impl Hall {
         *self = Self { diagnostics: self.diagnostics, entered: now, due: now, ..Self::default() };
     }
 
-    /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if its edge
-    /// has come since; one that has gone was a glitch.
+    /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if
+    /// its edge has come since; one that has gone was a glitch.
     fn confirm(
         &mut self,
         c: &HallCoefficients,
@@ -441,7 +447,8 @@ impl Hall {
         self.speed
     }
 
-    /// Speed for the speed loop: the measured one, but never more than the edge that has not come by `now` allows.
+    /// Speed for the speed loop: the measured one, but never more than the edge that has not come by `now`
+    /// allows.
     #[inline]
     pub fn speed_bounded(&self, now: Instant) -> i32 {
         let since = self.since_edge(now);

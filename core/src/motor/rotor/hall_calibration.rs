@@ -1,11 +1,12 @@
-//! Hall calibration: turns the field slowly one electrical revolution each way and finds from the edges which line is
-//! which (order), which are inverted (polarity) and how far they are turned (offset).
+//! Hall calibration: turns the field slowly one electrical revolution each way and finds from the edges which
+//! line is which (order), which are inverted (polarity) and how far they are turned (offset).
 //!
-//! The field's angle is not a phase current's but the angle at which a resting rotor settles. Friction makes the
-//! rotor lag; averaged over both directions the lag cancels. Between the six locks, which settle 60 degrees apart, the field
-//! moves by switching between two neighbours, tick by tick. No leg ever floats, so voltages average as vectors: within 1.1
-//! degrees of linear on a sinusoidal motor and 2.1 on a trapezoidal one. (Steps between the locks would halve the distance,
-//! but the leg that floats empties its current into a diode, at a lock voltage of the size of the diode's drop.)
+//! The field's angle is not a phase current's but the angle at which a resting rotor settles. Friction makes
+//! the rotor lag; averaged over both directions the lag cancels. Between the six locks, which settle 60
+//! degrees apart, the field moves by switching between two neighbours, tick by tick. No leg ever floats, so
+//! voltages average as vectors: within 1.1 degrees of linear on a sinusoidal motor and 2.1 on a trapezoidal
+//! one. (Steps between the locks would halve the distance, but the leg that floats empties its current into a
+//! diode, at a lock voltage of the size of the diode's drop.)
 
 use super::hall::{HallWiring, sectors};
 use crate::motor::commutate::commutation::{LOCKS, Step};
@@ -114,8 +115,8 @@ impl HallCalibrator {
         (self.pattern(), HallCalibration::Running)
     }
 
-    /// Angle at which the rotor settles now, u32 turn. The reverse pass starts where the forward one ended, a quarter
-    /// turn beyond a revolution.
+    /// Angle at which the rotor settles now, u32 turn. The reverse pass starts where the forward one ended, a
+    /// quarter turn beyond a revolution.
     fn angle(&self) -> u32 {
         match self.pass {
             Pass::Forward => self.travelled as u32,
@@ -165,7 +166,8 @@ impl HallCalibrator {
         }
     }
 
-    /// The middle of each line's high half, friction averaged out; `None` unless every line rose and fell once a pass.
+    /// The middle of each line's high half, friction averaged out; `None` unless every line rose and fell
+    /// once a pass.
     fn centres(&self) -> Option<[u16; 3]> {
         let [forward, reverse] = &self.lines;
         let mut centres = [0; 3];
@@ -201,7 +203,7 @@ fn offset_of(wiring: HallWiring, centres: [u16; 3]) -> Option<i16> {
     agree.then_some(first.wrapping_add(mean as i16))
 }
 
-/// Where a raw line's high half is centred with this table: the middle of the three sectors in which it is high.
+/// Centre of a raw line's high half with this table: the middle of the three sectors in which it is high.
 fn expected_centre(table: &[u8; 8], line: usize) -> Option<u16> {
     let mut high = [false; 6];
     for (code, sector) in table.iter().enumerate() {

@@ -1,7 +1,8 @@
 //! Listening to a coasting motor: with the bridge off its terminals show the back-EMF.
 //!
-//! The divider pulls the star point to ground and the body diodes hold the lowest terminal there, so what is certain is
-//! which terminal is the highest. It changes three times a revolution, where two back-EMFs cross above the third:
+//! The divider pulls the star point to ground and the body diodes hold the lowest terminal there, so what is
+//! certain is which terminal is the highest. It changes three times a revolution, where two back-EMFs cross
+//! above the third:
 //!
 //! ```text
 //!  forward   A from 30 to 150, B to 270, C to 30           A -> B at 150, B -> C at 270, C -> A at  30
@@ -108,7 +109,8 @@ impl Listening {
             2_u8
         };
         let level = |codes: &[u16; 3], phase: u8| i32::from(codes[usize::from(phase.min(2))]);
-        // Neither is rest disproved here, nor is rotation: an offset about as high as the noise is heard in some ticks and not in others.
+        // Neither is rest disproved here, nor is rotation: an offset about as high as the noise is heard in
+        // some ticks and not in others.
         if level(codes, top) < i32::from(c.silence) {
             return None;
         }
@@ -144,7 +146,8 @@ impl Listening {
         }
     }
 
-    /// When a rotor of which nothing more is heard is at rest: after `rest` ticks without a sound, or `still` ticks since `began` with the same highest terminal.
+    /// Time from which a rotor without further signals counts as at rest: `rest` ticks after the last signal,
+    /// or `still` ticks after `began` with the same highest terminal.
     pub fn settles(&self, rest: u32, began: Instant, still: u32) -> Instant {
         // The later of the two.
         let last = if self.changed.is_due(began) { began } else { self.changed };

@@ -12,8 +12,8 @@ pub struct OpenLoopCoefficients {
     pub speed: i32,
     /// Rise a millisecond, raw I16F16 with 16 extra bits (parameters 88 and 109).
     pub rate: i64,
-    /// Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as in
-    /// [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level).
+    /// Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as
+    /// in [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level).
     pub level_start: i32,
     /// Level at the end of the ramp (parameter 87).
     pub level: i32,
@@ -36,7 +36,8 @@ pub struct OpenLoop {
 }
 
 impl OpenLoopCoefficients {
-    /// The speed that the ramp has reached so many `milliseconds` after standstill, raw I16F16 electrical rev/s.
+    /// The speed that the ramp has reached so many `milliseconds` after standstill, raw I16F16 electrical
+    /// rev/s.
     pub fn setpoint(&self, milliseconds: u32) -> i32 {
         let risen = self.rate.saturating_mul(milliseconds.into()) >> 16;
         risen.min(self.speed.into()) as i32
@@ -49,7 +50,8 @@ impl OpenLoopCoefficients {
 }
 
 impl OpenLoop {
-    /// Starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where the field's pull is 0 and grows as it turns.
+    /// Starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
+    /// the field's pull is 0 and grows as it turns.
     pub fn start(&mut self, c: &OpenLoopCoefficients, now: Instant, angle: u32, direction: Direction) {
         const QUARTER: u32 = 1 << 30;
         let angle = match direction {

@@ -1,5 +1,5 @@
-//! The sensorless rotor from standstill to closed loop: listen, align, kick, run; the states 2, 3, 4 and 7 are labels on this
-//! one sequence.
+//! The sensorless rotor from standstill to closed loop: listen, align, kick, run; the states 2, 3, 4 and 7
+//! are labels on this one sequence.
 //!
 //! ```text
 //!            turns forward                                       lost
@@ -22,7 +22,8 @@ use crate::motor::sense::samples::Samples;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the sensorless station. Times are in ticks, levels as
-/// [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level) has them.
+/// [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level) has
+/// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorlessCoefficients {
     /// The floating phase.
@@ -47,11 +48,12 @@ pub struct SensorlessCoefficients {
     pub kick_patience: u32,
     /// A kick that has not led to closed loop within this is given up.
     pub kick_limit: u32,
-    /// Largest back-EMF that is braked by a short circuit, 2^-32 turn a tick: what the phase current limit allows.
+    /// Largest back-EMF that is braked by a short circuit, 2^-32 turn a tick: what the phase current limit
+    /// allows.
     pub brake_max: i32,
 }
 
-/// Where the sequence stands.
+/// Phase of the start sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// Bridge off, ear at the terminals.
@@ -112,20 +114,22 @@ pub struct Sensorless {
     begun: Option<bool>,
     /// This episode's rotor turned already when it was taken.
     caught: bool,
-    /// When the sequence has to go on.
+    /// Time at which the sequence must go on.
     due: Instant,
 }
 
-/// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a rotor at 333 electrical rpm would have shown another, and
-/// what is slower is brought to rest by the locks.
+/// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a
+/// rotor at 333 electrical rpm would have shown another, and what is slower is brought to rest by the locks.
 const STILL: u32 = 12;
 /// Ticks for which a rotor that turns backward is braked before it is listened to again.
 const LISTEN_AGAIN: u32 = 64;
-/// Where the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing rises and shows in the off-time too.
+/// Angle at which the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing
+/// rises and shows in the off-time too.
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
 impl Sensorless {
-    /// The terminals in one tick, whatever the state; `applied` was in force until this period's boundary. True if the estimate has changed.
+    /// The terminals in one tick, whatever the state; `applied` was in force until this period's boundary.
+    /// True if the estimate has changed.
     #[inline]
     pub fn sense(
         &mut self,
@@ -204,7 +208,8 @@ impl Sensorless {
         self.phase == Phase::Run || (self.phase == Phase::Kick && now.since(self.since) > c.rest)
     }
 
-    /// The estimator takes how the step before ended, and what this one shows. True if the estimate has changed.
+    /// The estimator takes how the step before ended, and what this one shows. True if the estimate has
+    /// changed.
     #[inline]
     fn take(&mut self, c: &SensorlessCoefficients, now: Instant, end: End, sight: Sight) -> bool {
         let blind = end == End::Missed;
@@ -254,7 +259,8 @@ impl Sensorless {
         self.back_emf.expect(watched.map(|sector| self.rotor.overdue_at(sector)));
     }
 
-    /// A tick with the bridge off in which a terminal has become the highest, or the bridge has just gone off.
+    /// A tick with the bridge off in which a terminal has become the highest, or the bridge has just gone
+    /// off.
     #[inline(never)]
     fn coast(
         &mut self,
@@ -309,13 +315,14 @@ impl Sensorless {
         self.rotor.pass(now);
     }
 
-    /// When the sequence has to go on even if the terminals show nothing new. It holds while the bridge is on.
+    /// Time at which the sequence must go on even if the terminals show nothing new. It holds while the
+    /// bridge is on.
     #[inline]
     pub const fn due(&self) -> Instant {
         self.due
     }
 
-    /// When a phase before closed loop has to go on by time alone.
+    /// Time at which a phase before closed loop has to go on by time alone.
     fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
         let began = self.since;
         match self.phase {
@@ -383,7 +390,8 @@ impl Sensorless {
             self.due = self.rotor.silent_at(c.timeout);
             return self.run(c, now);
         }
-        // Before the phase acts: what it changes of its own deadline (`go`, or a forced step) only makes it earlier.
+        // Before the phase acts: what it changes of its own deadline (`go`, or a forced step) only makes it
+        // earlier.
         self.due = self.deadline(c, now);
         // In rotor lock the rotor is not yet turned.
         self.lead(c, now, state != State::RotorLock, torque)
@@ -426,8 +434,9 @@ impl Sensorless {
         Plan::Coast
     }
 
-    /// A rotor that turns backward: shorted where that gives no more than the phase current limit, else left to coast. Nothing is
-    /// returned to the bus either way. What is slow enough is brought to rest by the locks.
+    /// A rotor that turns backward: shorted where that gives no more than the phase current limit, else left
+    /// to coast. Nothing is returned to the bus either way. What is slow enough is brought to rest by the
+    /// locks.
     fn brake(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
         let speed = self.rotor.speed().saturating_abs();
         if now.since(self.since) > LISTEN_AGAIN {
@@ -436,8 +445,8 @@ impl Sensorless {
         if speed < c.brake_max { Plan::Short } else { Plan::Coast }
     }
 
-    /// Two locks, 60 degrees apart, the second from the side that the rotor is to turn to: one that rests on the dead point of the
-    /// first is off that of the second. Three-phase, which damps the swing.
+    /// Two locks, 60 degrees apart, the second from the side that the rotor is to turn to: one that rests on
+    /// the dead point of the first is off that of the second. Three-phase, which damps the swing.
     fn align(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
         let level = self.level.value();
         let step = match torque {
@@ -524,8 +533,8 @@ impl Sensorless {
         self.begun.take()
     }
 
-    /// Angle and speed (u32 turn, 2^-32 turn a tick) for the commutator. While a kick knows no speed, the angle stands in a
-    /// sector's middle.
+    /// Angle and speed (u32 turn, 2^-32 turn a tick) for the commutator. While a kick knows no speed, the
+    /// angle stands in a sector's middle.
     pub const fn rotor(&self) -> &ZeroCrossing {
         &self.rotor
     }
@@ -551,7 +560,8 @@ impl Sensorless {
         matches!(self.phase, Phase::Run)
     }
 
-    /// The estimator runs a motor that turned already: there is no open-loop speed that it would have to be brought to.
+    /// The estimator runs a motor that turned already: there is no open-loop speed that it would have to be
+    /// brought to.
     pub const fn is_caught(&self) -> bool {
         self.caught
     }
@@ -572,7 +582,7 @@ impl Sensorless {
         self.rotor.why()
     }
 
-    /// Where the start sequence stands.
+    /// Present phase of the start sequence.
     pub const fn phase(&self) -> Phase {
         self.phase
     }

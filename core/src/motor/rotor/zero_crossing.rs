@@ -1,8 +1,10 @@
-//! From zero crossings to angle and speed: interpolation, prediction with trend, plausibility, missed and late crossings.
+//! From zero crossings to angle and speed: interpolation, prediction with trend, plausibility, missed and
+//! late crossings.
 //!
-//! Crossings lie at 60 + 60 s degrees, the middle of sector s. Between them the angle runs on with the predicted speed, and the
-//! commutator finds its instants from it: crossing + 30 degrees - advance. A crossing that does not come is thereby commutated blind
-//! half an interval after it was due. What a level says for certain ("the rotor is not there yet") bounds the angle.
+//! Crossings lie at 60 + 60 s degrees, the middle of sector s. Between them the angle runs on with the
+//! predicted speed, and the commutator finds its instants from it: crossing + 30 degrees - advance. A
+//! crossing that does not come is thereby commutated blind half an interval after it was due. What a level
+//! says for certain ("the rotor is not there yet") bounds the angle.
 
 use crate::motor::clock::Instant;
 use crate::motor::commutate::commutation::Direction;
@@ -36,7 +38,8 @@ pub enum Why {
     Listened = 5,
 }
 
-/// Blind or late steps in a row after which the places repeat: six, less the step that ends with the crossing.
+/// Blind or late steps in a row after which the places repeat: six, less the step that ends with the
+/// crossing.
 const REVOLUTION: u8 = 5;
 /// Six of them fit 32 bits: 0.4 s at 10 kHz, longer than any crossing time-out.
 const LONGEST: u32 = 1 << 28;
@@ -64,7 +67,8 @@ pub struct ZeroCrossing {
     intervals: [u32; 6],
     valid: u8,
     direction: Direction,
-    /// Accepted crossings in a row without a blind or late one between, and their polarities (bit 0 falling, 1 rising).
+    /// Accepted crossings in a row without a blind or late one between, and their polarities (bit 0 falling,
+    /// 1 rising).
     consistent: u8,
     polarities: u8,
     blind: u8,
@@ -101,7 +105,8 @@ impl ZeroCrossing {
         self.at.after(timeout.saturating_sub(self.since).div_ceil(TICK))
     }
 
-    /// The tick in which the rotor is thought to have reached the crossing of `sector`: it is held there if it has not.
+    /// The tick in which the rotor is thought to have reached the crossing of `sector`: it is held there if
+    /// it has not.
     #[inline]
     pub fn overdue_at(&self, sector: u8) -> Instant {
         let place = TWELFTH.wrapping_mul(place_of(sector).into());
@@ -129,8 +134,9 @@ impl ZeroCrossing {
         }
     }
 
-    /// A driven step has shown the crossing of `sector`, `age` (1/65 536 tick) before `now`, where the signal stood at `threshold` (raw I16F16 V).
-    /// `starting`: the rotor is being brought to speed. False if the crossing was too early to be one.
+    /// A driven step has shown the crossing of `sector`, `age` (1/65 536 tick) before `now`, where the signal
+    /// stood at `threshold` (raw I16F16 V). `starting`: the rotor is being brought to speed. False if the
+    /// crossing was too early to be one.
     #[inline]
     pub fn cross(
         &mut self,
@@ -155,15 +161,16 @@ impl ZeroCrossing {
         let offset = self.threshold_angle(threshold, back_emf);
         self.accept(place, offset, age, Why::Accepted);
         if starting && self.consistent < 3 {
-            // The interval may hold a rest: on to the next step, which pulls as well, until two have been measured.
+            // The interval may hold a rest: on to the next step, which pulls as well, until two have been
+            // measured.
             self.skip_to_end(place);
         }
         self.polarities |= 1 << (sector & 1);
         true
     }
 
-    /// A driven step has shown that the rotor is beyond the crossing of `sector`. A rotor that is `starting` is ahead then, so that the step is over;
-    /// nothing is commutated by prediction yet.
+    /// A driven step has shown that the rotor is beyond the crossing of `sector`. A rotor that is `starting`
+    /// is ahead then, so that the step is over; nothing is commutated by prediction yet.
     #[inline(never)]
     pub fn cross_late(&mut self, now: Instant, sector: u8, starting: bool) {
         self.pass(now);
@@ -171,7 +178,8 @@ impl ZeroCrossing {
         self.take_late(place_of(sector), starting);
     }
 
-    /// A driven step shows that the rotor has not reached the crossing of `sector`. True if the angle is held back.
+    /// A driven step shows that the rotor has not reached the crossing of `sector`. True if the angle is held
+    /// back.
     #[inline]
     pub fn wait(&mut self, now: Instant, sector: u8, starting: bool) -> bool {
         self.pass(now);
@@ -189,8 +197,8 @@ impl ZeroCrossing {
         }
     }
 
-    /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago, while it turns in
-    /// `direction`.
+    /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago,
+    /// while it turns in `direction`.
     pub fn observe_coasting(&mut self, now: Instant, place: u8, age: i32, direction: Direction) {
         self.pass(now);
         if direction != self.direction {
@@ -217,8 +225,9 @@ impl ZeroCrossing {
         if to >= from { to - from } else { to + 12 - from }
     }
 
-    /// Angle by which the threshold lay beyond the true crossing, in the direction of motion, u32 turn. With E the line-to-line back-EMF the
-    /// signal's slope at its crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
+    /// Angle by which the threshold lay beyond the true crossing, in the direction of motion, u32 turn. With
+    /// E the line-to-line back-EMF the signal's slope at its crossing is 1.85 E a radian, 11.6 E a turn, for
+    /// both shapes within 3 %.
     fn threshold_angle(&self, threshold: i32, back_emf: Gain) -> i32 {
         if threshold == 0 || self.speed_mean == 0 {
             return 0;
@@ -234,7 +243,8 @@ impl ZeroCrossing {
     /// The rotor was `offset` beyond `place` (in the direction of motion) `age` ago.
     fn accept(&mut self, place: u8, offset: i32, age: i32, why: Why) {
         let twelfths = self.twelfths_to(place);
-        // After a revolution without a crossing that was seen the places no longer tell how far it has turned.
+        // After a revolution without a crossing that was seen the places no longer tell how far it has
+        // turned.
         if self.blind.saturating_add(self.late) >= REVOLUTION {
             (self.intervals, self.valid, self.speed_mean) = ([0; 6], 0, self.speed);
             self.since = u32::MAX;
@@ -251,7 +261,8 @@ impl ZeroCrossing {
         self.why = why;
     }
 
-    /// Where the rotor was `age` ago, and how far that is from where it was thought to be, u32 turn: the margin.
+    /// Returns the rotor's angle `age` ago, and its distance from the estimated angle, u32 turn. Stores that
+    /// distance as the margin.
     #[inline]
     fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
         let sign = self.direction.sign();
@@ -275,7 +286,8 @@ impl ZeroCrossing {
         }
     }
 
-    /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all of it.
+    /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all
+    /// of it.
     #[inline]
     fn correct(&mut self, place: u8, (here, error): (u32, i32), age: i32, prepared: bool) {
         let smooth = prepared && (error.saturating_abs() as u32) < SIXTH / 4;
@@ -293,9 +305,10 @@ impl ZeroCrossing {
         self.valid = (self.valid + 1).min(6);
     }
 
-    /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
-    /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead: 1.5 intervals on, by a change over 2,
-    /// which is 3/4 of it.
+    /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend
+    /// from the pair before: the newest pair's middle lies one interval back, the one before three, the
+    /// middle of the next interval half of one ahead: 1.5 intervals on, by a change over 2, which is 3/4 of
+    /// it.
     #[inline]
     fn predict_by(&mut self, valid: u8) {
         let [a, b, c, d, e, f] = self.intervals;
@@ -324,7 +337,8 @@ impl ZeroCrossing {
         (self.speed, self.speed_mean, self.interval) = (speed * sign, mean * sign, interval.max(1));
     }
 
-    /// The crossing came no later than now. A rotor that is being started may be anywhere beyond it: on to the next step.
+    /// The crossing came no later than now. A rotor that is being started may be anywhere beyond it: on to
+    /// the next step.
     fn take_late(&mut self, place: u8, starting: bool) {
         self.late = self.late.saturating_add(1);
         self.consistent = 0;
@@ -340,7 +354,8 @@ impl ZeroCrossing {
             (self.since, self.place, self.valid) = (0, place, 0);
             self.intervals = [0; 6];
         } else if self.valid > 0 {
-            // Behind the rotor: half way to the commutation, and a little faster, until the crossing shows again.
+            // Behind the rotor: half way to the commutation, and a little faster, until the crossing shows
+            // again.
             self.bring_to(place, TWELFTH / 2);
             self.interval = (self.interval - self.interval / 8).max(TICK);
             self.speed = speed_of(1, self.interval) * sign;
@@ -362,7 +377,8 @@ impl ZeroCrossing {
         }
     }
 
-    /// The rotor has certainly not reached `place`: no commutation by prediction yet, for two and a half intervals at most.
+    /// The rotor has certainly not reached `place`: no commutation by prediction yet, for two and a half
+    /// intervals at most.
     fn hold(&mut self, place: u8, starting: bool) {
         let sign = self.direction.sign();
         let here = TWELFTH.wrapping_mul(place.into());
@@ -412,7 +428,8 @@ impl ZeroCrossing {
         self.interval.saturating_mul(self.sixths().into()).saturating_add(self.interval / 4)
     }
 
-    /// A coasting motor shows three places a revolution, a driven one six; one that has just been caught has its first crossing before it.
+    /// A coasting motor shows three places a revolution, a driven one six; one that has just been caught has
+    /// its first crossing before it.
     const fn sixths(&self) -> u8 {
         if self.coasting || matches!(self.why, Why::Listened) { 3 } else { 1 }
     }
@@ -448,13 +465,15 @@ impl ZeroCrossing {
         (self.blind.saturating_mul(2)).max(self.late / 2).min(14)
     }
 
-    /// Neighbouring intervals differ by more than half: with a and b in turn the mean deviation from (a + b) / 2 is
-    /// (a - b) / 2, which is a quarter of that mean at a = 1.67 b. A first-order mean over 8 intervals.
+    /// Neighbouring intervals differ by more than half: with a and b in turn the mean deviation from (a + b)
+    /// / 2 is (a - b) / 2, which is a quarter of that mean at a = 1.67 b. A first-order mean over 8
+    /// intervals.
     pub const fn is_irregular(&self) -> bool {
         self.valid == 6 && self.deviation >> 3 > self.interval / 4
     }
 
-    /// Outcome of the last crossing, its distance behind the prediction (65 536 a turn), and the number of accepted ones.
+    /// Outcome of the last crossing, its distance behind the prediction (65 536 a turn), and the number of
+    /// accepted ones.
     pub const fn why(&self) -> (Why, i16, u32) {
         (self.why, self.margin, self.accepted)
     }

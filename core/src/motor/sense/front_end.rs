@@ -13,7 +13,8 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// 1/16 V or A a code: a full scale of 256 V or A, far beyond this drive's ratings, which leaves the tick's arithmetic room.
+    /// 1/16 V or A a code: a full scale of 256 V or A, far beyond this drive's ratings, which leaves the
+    /// tick's arithmetic room.
     pub const MICRO_PER_CODE_MAX: i32 = 62_500;
 }
 
@@ -77,7 +78,8 @@ pub struct Board {
     pub bridge_milliohm: u16,
     /// The hall lines have time-stamping input captures.
     pub hall_capture: bool,
-    /// Back-EMF comparators have time-stamping input captures; their edges take the place of the sampled back-EMF.
+    /// Back-EMF comparators have time-stamping input captures; their edges take the place of the sampled
+    /// back-EMF.
     pub comparator_capture: bool,
     /// Parts that not every board has.
     pub equipment: Equipment,
@@ -86,7 +88,7 @@ pub struct Board {
 }
 
 impl Board {
-    /// Whether a controller can be built for these constants at all: 1 to 100 kHz, scales within
+    /// Returns whether a controller can be built for these constants at all: 1 to 100 kHz, scales within
     /// [`Channel::MICRO_PER_CODE_MAX`], zeros that the converter can give.
     pub const fn is_plausible(&self) -> bool {
         const fn fits(channel: Channel) -> bool {
@@ -99,8 +101,8 @@ impl Board {
         scaled && self.tick_rate >= 1_000 && self.tick_rate <= 100_000
     }
 
-    /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns dead time, two switches
-    /// of 20 milliohm.
+    /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns
+    /// dead time, two switches of 20 milliohm.
     pub const BENCH: Self = Self {
         tick_rate: 10_000,
         earliest: 8_192,

@@ -68,7 +68,8 @@ impl ChannelScale {
         codes.map(|code| Volts::from_bits(self.convert(code)))
     }
 
-    /// Codes of a difference (raw I16F16), rounded down: by a 32-bit division, whose divisor keeps the 7 and more bits of a channel's gain.
+    /// Codes of a difference (raw I16F16), rounded down: by a 32-bit division, whose divisor keeps the 7 and
+    /// more bits of a channel's gain.
     pub const fn codes_of_difference(&self, difference: i32) -> i32 {
         let gain = (self.gain >> 16) as i32;
         difference / if gain > 0 { gain } else { 1 }
@@ -99,7 +100,8 @@ pub struct Measured {
     pub bus_voltage: Volts,
     /// Mean DC-link current.
     pub bus_current: Amps,
-    /// Bus current after a first-order filter of 64 ticks, longer than a commutation returns current to the bus.
+    /// Bus current after a first-order filter of 64 ticks, longer than a commutation returns current to the
+    /// bus.
     pub bus_current_filtered: Amps,
 }
 
@@ -113,20 +115,22 @@ pub struct Measurement {
     bus_voltage: i32,
 }
 
-/// The bus current's zero, found while the bridge is off: what the channel reads then, without parameter 13, is its own offset. It is looked for as
-/// long as nothing is driven and not at power-up alone, because what is wrong then may be mended, and a shunt's amplifier drifts as it warms.
+/// The bus current's zero, found while the bridge is off: what the channel reads then, without parameter 13,
+/// is its own offset. It is looked for as long as nothing is driven and not at power-up alone, because what
+/// is wrong then may be mended, and a shunt's amplifier drifts as it warms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct ZeroCurrent {
     /// A first-order mean of 64 ms, raw I16F16 with 6 extra bits.
     mean: i64,
-    /// The same, no more than is credible.
+    /// The mean, limited to the largest credible offset.
     zero: i32,
 }
 
 impl ZeroCurrent {
     /// No credible offset is larger: 0.25 A.
     const MAX: i32 = 1 << 14;
-    /// More is no offset but a current, of windings that are just let go or of a rotor that is turned faster than the bus allows: 0.5 A.
+    /// More is no offset but a current, of windings that are just let go or of a rotor that is turned faster
+    /// than the bus allows: 0.5 A.
     const FLOWS: i32 = 2 * Self::MAX;
 
     fn find(&mut self, current: i32) {
@@ -151,7 +155,8 @@ impl Measurement {
         Amps::from_bits(bus_current)
     }
 
-    /// Once a millisecond with the bridge off, in a step that answered `bus_current`: what the current's channel reads is its zero.
+    /// Once a millisecond with the bridge off, in a step that answered `bus_current`: what the current's
+    /// channel reads is its zero.
     pub fn find_zero(&mut self, scales: &MeasurementScales, bus_current: Amps) {
         self.zero.find(bus_current.to_bits() + self.zero.zero - scales.bus_current.offset);
     }
@@ -182,7 +187,8 @@ impl Measurement {
         self.filtered >> 6
     }
 
-    /// The duty that gives `voltage` (raw I16F16) on the present bus, 0..=1, rounded down; the bus counts as at least 4 V.
+    /// The duty that gives `voltage` (raw I16F16) on the present bus, 0..=1, rounded down; the bus counts as
+    /// at least 4 V.
     ///
     /// One 32-bit division, which the processor has: both are scaled until the divisor keeps 16 bits.
     #[inline]
@@ -195,14 +201,16 @@ impl Measurement {
         Duty::from_bits(ratio(voltage, bus) as u16)
     }
 
-    /// The same, on a bus above `BUS_MIN`, of a positive voltage below the bus, in 1/32 768.
+    /// Returns the [`duty`](Self::duty) in 1/32 768, on a bus above `BUS_MIN`, of a positive voltage below
+    /// the bus.
     #[inline]
     pub const fn duty_within(&self, voltage: i32) -> u32 {
         ratio(voltage as u32, self.bus_voltage as u32)
     }
 }
 
-/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it: both are shifted until the bus has 32.
+/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it: both are shifted
+/// until the bus has 32.
 #[inline]
 const fn ratio(voltage: u32, bus: u32) -> u32 {
     let shift = (bus | 1).leading_zeros();

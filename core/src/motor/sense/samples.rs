@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Edges that one period can carry; more are counted in [`Samples::edges_lost`].
 pub const EDGES_MAX: usize = 4;
 
-/// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the previous
-/// [`PwmCommand`](crate::motor::PwmCommand) asked for.
+/// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the
+/// previous [`PwmCommand`](crate::motor::PwmCommand) asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Samples {
     /// Number of this PWM period since power-up.
@@ -18,7 +18,7 @@ pub struct Samples {
     pub bus_voltage: u16,
     /// Bus current, converter code; see `current_mode`.
     pub bus_current: u16,
-    /// Where in the period the phase voltages were sampled.
+    /// Part of the period in which the phase voltages were sampled.
     pub sample_mode: SampleMode,
     /// The meaning of `bus_current`.
     pub current_mode: CurrentMode,
@@ -28,7 +28,8 @@ pub struct Samples {
     pub hall: u8,
     /// Edges captured during the whole of period `tick - 1`, oldest first.
     pub edges: Vec<Edge, EDGES_MAX>,
-    /// Edges of that period that found no room; the hall level finds what they would have shown, a tick later.
+    /// Edges of that period that found no room; the hall level finds what they would have shown, a tick
+    /// later.
     pub edges_lost: u8,
     /// Digital inputs at the sampling instant.
     pub lines: Lines,
@@ -59,7 +60,7 @@ pub enum CurrentMode {
 /// One time-stamped edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
-    /// When, in 1/65 536 of the period that has just ended.
+    /// Instant of the edge, in 1/65 536 of the period that has just ended.
     pub instant: u16,
     /// The line or comparator that changed.
     pub source: EdgeSource,
@@ -67,7 +68,7 @@ pub struct Edge {
     pub code: u8,
 }
 
-/// Where an edge comes from.
+/// Source of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum EdgeSource {

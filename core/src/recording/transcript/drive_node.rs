@@ -15,8 +15,9 @@ use serde::{Deserialize, Serialize};
 /// Set-up of a node at power-up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NodeSetup {
-    /// Features of the build that change its answers: 1 accelerometer, 2 description, 4 log, 8 scope, 16 recorder. Programming (`update`)
-    /// is not among them: a node without slots takes no part in it, but its description lists the messages of its build.
+    /// Features of the build that change its answers: 1 accelerometer, 2 description, 4 log, 8 scope, 16
+    /// recorder. Programming (`update`) is not among them: a node without slots takes no part in it, but its
+    /// description lists the messages of its build.
     pub features: u8,
     /// Firmware and board.
     pub identity: Identity,

@@ -1,13 +1,14 @@
-//! Records the calls to a device on the bus, in order, and replays them to the same answers. The devices are the node of the
-//! drive (kind 2) and the TX-Driver (kind 3), which have neither a clock nor a bus of their own.
+//! Records the calls to a device on the bus, in order, and replays them to the same answers. The devices are
+//! the node of the drive (kind 2) and the TX-Driver (kind 3), which have neither a clock nor a bus of their
+//! own.
 //!
 //! ```text
 //!  shell ──calls──> Transcriber ──> bytes ──> Transcript ──> replay ──> the same answers
 //!        <─answers─ Digest ───────────────── compared with ────┘
 //! ```
 //!
-//! The container is that of a drive's [recording](super), with the kind in its header, and in the place of the layout version
-//! [`CALLS_VERSION`]. What differs:
+//! The container is that of a drive's [recording](super), with the kind in its header, and in the place of
+//! the layout version [`CALLS_VERSION`]. What differs:
 //!
 //! | chunk | payload |
 //! |---|---|
@@ -15,8 +16,9 @@
 //! | `C` | calls, whole ones, at most [`CHUNK_BYTES`] together: postcard of [`Transcribable::Call`]; or the byte FFh and a varint, the last call so many times more |
 //! | `E` | number of calls u64, digest u64 |
 //!
-//! The digest is CRC-64/XZ over every answer in order: postcard of the call, then of its answer; and in the end over what
-//! [`Transcribable::show`] shows of the device. A call that is answered with nothing changes nothing, so a shell leaves it out.
+//! The digest is CRC-64/XZ over every answer in order: postcard of the call, then of its answer; and in the
+//! end over what [`Transcribable::show`] shows of the device. A call that is answered with nothing changes
+//! nothing, so a shell leaves it out.
 
 mod drive_node;
 mod read;
@@ -58,7 +60,8 @@ pub trait Transcribable: Sized {
     /// The device that was recorded has other features than this build.
     fn power_up(setup: Self::Setup) -> Result<Self, ReplayError>;
 
-    /// Repeats a call of the shell and notes the device's answer. `clock` is the last time that the device was passed.
+    /// Repeats a call of the shell and notes the device's answer. `clock` is the last time that the device
+    /// was passed.
     fn call(&mut self, call: &Self::Call, clock: &mut u64, answers: &mut Answers);
 
     /// Notes the visible state of the device.

@@ -15,8 +15,8 @@ pub struct TxDriverSetup {
     pub configuration: Configuration,
 }
 
-/// Call of a shell to a TX-Driver: see [`TxDriver`]. Times are microseconds after the last time that was passed in. A call that asks for an
-/// answer is recorded only if there was one.
+/// Call of a shell to a TX-Driver: see [`TxDriver`]. Times are microseconds after the last time that was
+/// passed in. A call that asks for an answer is recorded only if there was one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "each is the call of the same name")]
 pub enum TxDriverCall {

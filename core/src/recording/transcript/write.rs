@@ -9,8 +9,8 @@ use serde::Serialize;
 /// Room for the set-up of a device, bytes; most of it is a parameter set.
 const SETUP_MAX: usize = 1024;
 
-/// Records the calls of a shell to a device: [`new`](Self::new) at power-up, [`told`](Self::told) or [`asked`](Self::asked) for every call,
-/// [`finish`](Self::finish).
+/// Records the calls of a shell to a device: [`new`](Self::new) at power-up, [`told`](Self::told) or
+/// [`asked`](Self::asked) for every call, [`finish`](Self::finish).
 #[derive(Debug)]
 pub struct Transcriber<D: Transcribable, S> {
     output: Output<S>,
@@ -132,7 +132,8 @@ impl<D: Transcribable, S: Sink> Transcriber<D, S> {
 /// Appends a call; false, with nothing changed, when it does not fit.
 fn append(payload: &mut Payload, call: &impl Serialize) -> bool {
     let mark = payload.len();
-    // Filling up to the capacity cannot fail. The room is zeroed once for each call; only the written bytes are kept.
+    // Filling up to the capacity cannot fail. The room is zeroed once for each call; only the written bytes
+    // are kept.
     let _ = payload.resize(payload.capacity(), 0);
     let room = payload.get_mut(mark..).unwrap_or_default();
     let written = postcard::to_slice(call, room).ok().map(|bytes| bytes.len());

@@ -181,7 +181,7 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(())
     }
 
-    /// Whether the first page has no equal twin.
+    /// Returns whether the first page has no equal twin.
     fn is_alone(&self) -> bool {
         !matches!((self.first, self.twin), (Some(first), Some(twin)) if twin.is_equal(&first))
     }

@@ -65,7 +65,7 @@ pub(super) struct Page {
 }
 
 impl Page {
-    /// Whether both hold the same stores.
+    /// Returns whether both hold the same stores.
     pub(super) fn is_equal(&self, other: &Self) -> bool {
         (self.end, self.count) == (other.end, other.count)
     }

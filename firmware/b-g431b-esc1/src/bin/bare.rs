@@ -1,5 +1,5 @@
-//! The board without the drive: start-up, vector table, drivers, shell and both ends of the flash around a core that answers every tick with Coast. What it
-//! takes is what the board takes beside the core.
+//! The board without the drive: start-up, vector table, drivers, shell and both ends of the flash around a
+//! core that answers every tick with Coast. What it takes is what the board takes beside the core.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,5 +1,5 @@
-//! The bootloader of the B-G431B-ESC1: swaps, reverts and verifies in the flash, and enters the image that its owner has signed. It has no CAN: the
-//! application receives.
+//! The bootloader of the B-G431B-ESC1: swaps, reverts and verifies in the flash, and enters the image that
+//! its owner has signed. It has no CAN: the application receives.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,4 +1,5 @@
-//! The drive on the B-G431B-ESC1, alone in the flash: put there by a debugger, with everything that the board has use for.
+//! The drive on the B-G431B-ESC1, alone in the flash: put there by a debugger, with everything that the board
+//! has use for.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

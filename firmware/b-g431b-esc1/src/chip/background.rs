@@ -30,7 +30,8 @@ pub struct Loop {
     pub blink_due: u64,
 }
 
-/// Time between two changes of the LED, ticks: half a second, after a reset by the watchdog a tenth, until power-up or REBOOT.
+/// Time between two changes of the LED, ticks: half a second, after a reset by the watchdog a tenth, until
+/// power-up or REBOOT.
 const BLINK: u64 = 5_000;
 const BLINK_AFTER_WATCHDOG: u64 = 1_000;
 /// Time that a reboot waits for the last frames, ticks: 10 ms.

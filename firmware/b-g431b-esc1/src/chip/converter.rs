@@ -1,4 +1,5 @@
-//! Both converters: four and three channels at the sampling instant, simultaneously, and between two instants one slow channel.
+//! Both converters: four and three channels at the sampling instant, simultaneously, and between two instants
+//! one slow channel.
 //!
 //! ```text
 //!  trigger  | 47.5 + 12.5 clocks | 25      | 25      |
@@ -6,7 +7,8 @@
 //!  ADC2     | shunt B | term. A  | term. B | term. C |            a clock is 1 / 42.5 MHz
 //! ```
 //!
-//! A slow conversion begins after the others have ended and lasts 6 us, so that none of the two ever meets the other.
+//! A slow conversion begins after the others have ended and lasts 6 us, so that none of the two ever meets
+//! the other.
 
 use super::clock::PER_US;
 use super::wait_for;

@@ -1,5 +1,6 @@
-//! FDCAN1 as a classic controller: 29-bit identifiers to FIFO 0, 11-bit ones to FIFO 1, three transmit buffers in the order in which they were filled.
-//! (As a queue by urgency the controller would let frames of one identifier overtake each other.)
+//! FDCAN1 as a classic controller: 29-bit identifiers to FIFO 0, 11-bit ones to FIFO 1, three transmit
+//! buffers in the order in which they were filled. (As a queue by urgency the controller would let frames of
+//! one identifier overtake each other.)
 
 use super::wait_for;
 use crate::can::{BIT_RATE, BitTiming, CLOCK_HZ, bus_state, decode, encode};
@@ -39,7 +40,8 @@ pub(super) fn start() {
     FDCAN1.cccr().modify(|control| control.set_init(false));
 }
 
-/// The body of the interrupt: what has arrived waits in memory, in its FIFO's order. What finds no room is lost.
+/// The body of the interrupt: what has arrived waits in memory, in its FIFO's order. What finds no room is
+/// lost.
 pub fn interrupt() {
     FDCAN1.ir().write_value(Ir(ARRIVED));
     ARRIVING.with(|arriving| {
@@ -95,7 +97,8 @@ pub(super) fn discard() {
     FDCAN1.txbcr().write_value(Txbcr(ALL));
 }
 
-/// Error state and counters. A controller that has gone bus-off is let back: it waits for 129 times 11 recessive bits by itself.
+/// Error state and counters. A controller that has gone bus-off is let back: it waits for 129 times 11
+/// recessive bits by itself.
 pub(super) fn state() -> BusState {
     let state = bus_state(FDCAN1.psr().read().0, FDCAN1.ecr().read().0);
     if state.is_off() && FDCAN1.cccr().read().init() {

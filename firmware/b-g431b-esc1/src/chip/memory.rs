@@ -1,5 +1,5 @@
-//! The chip's own flash as memory. While a page is erased (22 ms) or a word is programmed (0.1 ms) the processor stands still, because its code is in the same flash: it is for a drive at
-//! rest.
+//! The chip's own flash as memory. While a page is erased (22 ms) or a word is programmed (0.1 ms) the
+//! processor stands still, because its code is in the same flash: it is for a drive at rest.
 
 use super::wait_for;
 use crate::flash_map::{PAGE, START, WORD};

@@ -1,4 +1,5 @@
-//! The chip's registers (RM0440), a part a file. `unsafe` stands in `memory` and `reset` alone, where addresses become bytes.
+//! The chip's registers (RM0440), a part a file. `unsafe` stands in `memory` and `reset` alone, where
+//! addresses become bytes.
 
 pub mod background;
 pub mod capture;
@@ -31,8 +32,8 @@ pub fn start() {
     fdcan::start();
 }
 
-/// Starts what a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock stays the internal one of 16 MHz, which
-/// cannot fail.
+/// Starts what a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock
+/// stays the internal one of 16 MHz, which cannot fail.
 pub fn start_for_boot() {
     watchdog::start_slow();
     ports::start_led();
@@ -57,7 +58,8 @@ pub fn listen(nvic: &mut NVIC) {
     power_stage::run();
 }
 
-/// Waits for a flag that hardware sets. One that never comes ends in the watchdog's reset, with the gates off.
+/// Waits for a flag that hardware sets. One that never comes ends in the watchdog's reset, with the gates
+/// off.
 fn wait_for(flag: impl Fn() -> bool) {
     while !flag() {}
 }

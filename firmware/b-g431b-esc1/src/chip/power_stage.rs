@@ -1,4 +1,5 @@
-//! The bridge: TIM1 with its break inputs, the comparators that break it, and the commutations inside a period.
+//! The bridge: TIM1 with its break inputs, the comparators that break it, and the commutations inside a
+//! period.
 
 use super::capture;
 use crate::analog::trip_code;
@@ -14,8 +15,8 @@ use stm32_metapac::timer::regs::{
 use stm32_metapac::timer::vals::Mms2;
 use stm32_metapac::{COMP1, COMP2, COMP4, DAC3, TIM1};
 
-/// The comparators break at this phase current: above the 12 A that the drive may carry (Table 1) and below the 40 A of the board, with room for an offset of the
-/// comparator of 9 mV, which is 5 A.
+/// The comparators break at this phase current: above the 12 A that the drive may carry (Table 1) and below
+/// the 40 A of the board, with room for an offset of the comparator of 9 mV, which is 5 A.
 pub const TRIP_AMPERES: u16 = 25;
 /// After a break the outputs come back when the drive has asked for Coast this long, ticks: 100 ms.
 const REARM_TICKS: u16 = 1000;
@@ -95,7 +96,8 @@ pub(super) fn since_boundary() -> u16 {
 
 fn write(gates: [Gates; 3]) {
     let words = registers(gates);
-    // The modes first: a leg that goes from switched to off has its high side off before its enables change, and the low side is still held back by the dead time.
+    // The modes first: a leg that goes from switched to off has its high side off before its enables change,
+    // and the low side is still held back by the dead time.
     TIM1.ccmr_output(0).write_value(CcmrOutputGp16(words.ccmr1));
     TIM1.ccmr_output(1).write_value(CcmrOutputGp16(words.ccmr2));
     TIM1.ccer().write_value(CcerAdv(words.ccer));
@@ -137,7 +139,8 @@ impl Bridge {
     pub fn apply(&mut self, command: &PwmCommand, start: u16) {
         self.pending = [None; 2];
         self.change(command.step);
-        // Latched by the timer at the next boundary; how current freewheels there is heeded by the next tick's pattern.
+        // Latched by the timer at the next boundary; how current freewheels there is heeded by the next
+        // tick's pattern.
         self.rectification = command.rectification;
         let duty = compare(command.duty);
         for leg in 0..3 {
@@ -188,7 +191,8 @@ impl Bridge {
         while capture::now().wrapping_sub(self.changed_at) < DEAD_TIME {}
     }
 
-    /// Outputs come on when the bridge is asked for nothing, for long enough after a break, and the cause is gone.
+    /// Outputs come on when the bridge is asked for nothing, for long enough after a break, and the cause is
+    /// gone.
     fn rearm(&mut self, step: Step) {
         if TIM1.bdtr().read().moe() || !self.armed {
             return;

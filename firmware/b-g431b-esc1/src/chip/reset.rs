@@ -12,7 +12,8 @@ use stm32_metapac::{FLASH, Interrupt, PWR, RCC, TAMP, UID};
 /// Note in a backup register, which outlives a reset: the program has come to where it must not.
 const PROGRAM: u32 = u32::from_be_bytes(*b"fail");
 
-/// Returns the cause of the last reset (RM0440, section 7.4.28; bits as in ST's stm32g431xx.h) and clears it, so that the next call does not know it.
+/// Returns the cause of the last reset (RM0440, section 7.4.28; bits as in ST's stm32g431xx.h) and clears it,
+/// so that the next call does not know it.
 pub fn cause() -> ResetCause {
     let flags = RCC.csr().read();
     RCC.csr().write_value({
@@ -58,7 +59,8 @@ pub fn reset() -> ! {
     SCB::sys_reset()
 }
 
-/// Resets the chip with the gates off, because the program cannot go on; notes it, so that the next start reports it.
+/// Resets the chip with the gates off, because the program cannot go on; notes it, so that the next start
+/// reports it.
 pub fn fail() -> ! {
     power_stage::off();
     open_note();
@@ -77,8 +79,8 @@ unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     fail()
 }
 
-// SAFETY: as above; it returns from a double bit error of the flash alone, whose reader sees by his own checks that the bytes are wrong. A store that
-// was cut off leaves such bytes.
+// SAFETY: as above; it returns from a double bit error of the flash alone, whose reader sees by his own
+// checks that the bytes are wrong. A store that was cut off leaves such bytes.
 #[exception]
 unsafe fn NonMaskableInt() {
     if FLASH.eccr().read().eccd() {
@@ -98,7 +100,8 @@ unsafe fn DefaultHandler(_: i16) {
 /// Enters the image whose vector table stands at `vectors`.
 pub fn enter(vectors: u32) -> ! {
     let core = cortex_m::Peripherals::take();
-    // SAFETY: the caller has verified the image there. No interrupt is on, and nothing of this program is used again.
+    // SAFETY: the caller has verified the image there. No interrupt is on, and nothing of this program is
+    // used again.
     unsafe {
         if let Some(core) = core {
             core.SCB.vtor.write(vectors);
@@ -109,7 +112,8 @@ pub fn enter(vectors: u32) -> ! {
 
 /// Lets an interrupt in.
 pub(super) fn enable(nvic: &mut NVIC, interrupt: Interrupt, urgency: u8) {
-    // SAFETY: what the handlers own is given to them under a critical section; none relies on a priority being masked.
+    // SAFETY: what the handlers own is given to them under a critical section; none relies on a priority
+    // being masked.
     unsafe {
         nvic.set_priority(interrupt, urgency);
         NVIC::unmask(interrupt);

@@ -1,5 +1,5 @@
-//! Self-tests of the board: RAM at boot, and all the time its program, the end of its stack, and control ticks against the oscillator of 32 kHz,
-//! which has nothing in common with the crystal.
+//! Self-tests of the board: RAM at boot, and all the time its program, the end of its stack, and control
+//! ticks against the oscillator of 32 kHz, which has nothing in common with the crystal.
 
 use narx_core::node::SelfTests;
 use narx_firmware::boards::cortex_m;
@@ -8,7 +8,8 @@ use narx_firmware::self_test::walk::Walk;
 use stm32_metapac::rcc::vals::Lptimsel;
 use stm32_metapac::{LPTIM1, RCC};
 
-/// The oscillator's nominal rate, Hz: within 5 % (DS12589, features). Of the STM32WLE5's ST promises 29.5 to 34 kHz over supply and temperature.
+/// The oscillator's nominal rate, Hz: within 5 % (DS12589, features). Of the STM32WLE5's ST promises 29.5 to
+/// 34 kHz over supply and temperature.
 const OSCILLATOR: u16 = 32_000;
 /// The tick's rate, likewise.
 const TICK_RATE: u16 = crate::timing::TICK_RATE as u16;

@@ -20,7 +20,8 @@ pub(super) fn now() -> u64 {
     critical_section::with(|section| NOW.borrow(section).get())
 }
 
-/// Ticks over which the zeros of the shunts are averaged before any output is on: 0.1 s, a fifth of Initialization.
+/// Ticks over which the zeros of the shunts are averaged before any output is on: 0.1 s, a fifth of
+/// Initialization.
 const ZERO_TICKS: u16 = 1 << ZERO_SHIFT;
 const ZERO_SHIFT: u32 = 10;
 

@@ -4,7 +4,8 @@ use stm32_metapac::IWDG;
 use stm32_metapac::iwdg::regs::{Kr, Rlr};
 use stm32_metapac::iwdg::vals::{Key, Pr};
 
-/// 100 ms at 32 kHz / 16: several erased pages of 22 ms, with the loop between them. The oscillator may be 10 % off.
+/// 100 ms at 32 kHz / 16: several erased pages of 22 ms, with the loop between them. The oscillator may be 10
+/// % off.
 const RELOAD: u16 = 200;
 
 fn key(key: Key) {
@@ -18,7 +19,8 @@ pub(super) fn start() {
     run(Pr::DIVIDE_BY16, RELOAD);
 }
 
-/// For what comes before: 32 s. RAM and program are tested in it; in the bootloader, at 16 MHz, a signature takes a second, and a swap of 25 pages three.
+/// For what comes before: 32 s. RAM and program are tested in it; in the bootloader, at 16 MHz, a signature
+/// takes a second, and a swap of 25 pages three.
 pub(super) fn start_slow() {
     run(Pr::DIVIDE_BY256, 4000);
 }

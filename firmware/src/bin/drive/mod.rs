@@ -1,4 +1,5 @@
-//! The virtual drive, wherever its image stands: a commissioned hall drive on the emulated board, with slcan on UART0.
+//! The virtual drive, wherever its image stands: a commissioned hall drive on the emulated board, with slcan
+//! on UART0.
 
 use core::fmt;
 use core::future::poll_fn;
@@ -132,7 +133,8 @@ fn report(cause: ResetCause, trouble: Option<Trouble>) -> Option<Trouble> {
     None
 }
 
-/// Reads what the flash holds. A flash that holds nothing valid, as after power-up, first becomes that of a commissioned drive.
+/// Reads what the flash holds. A flash that holds nothing valid, as after power-up, first becomes that of a
+/// commissioned drive.
 fn open(storage: &mut Storage<Chip>, commissioning: &Commissioning) -> Option<Opened> {
     let look = |storage: &mut Storage<Chip>| match finish(storage.execute(Request::Open)) {
         Some(Report::Opened(opened)) => Some(opened),

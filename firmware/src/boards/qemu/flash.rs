@@ -1,4 +1,5 @@
-//! The flash of the board: the simulated one, in the PSRAM, which a reset leaves alone and the emulator can keep in a file; as slow as a real one.
+//! The flash of the board: the simulated one, in the PSRAM, which a reset leaves alone and the emulator can
+//! keep in a file; as slow as a real one.
 
 use super::slots;
 use core::future::poll_fn;
@@ -44,7 +45,8 @@ impl Chip {
             return None;
         }
         TAKEN.store(true, Ordering::Relaxed);
-        // SAFETY: bytes of the PSRAM that nobody else names, and this point is reached once: no interrupt takes a chip.
+        // SAFETY: bytes of the PSRAM that nobody else names, and this point is reached once: no interrupt
+        // takes a chip.
         let memory = unsafe { core::slice::from_raw_parts_mut(MEMORY as *mut u8, BYTES) };
         Some(Self { model: Flash::new(KBYTE_512, memory, 0), timed: false, owed: 0 })
     }

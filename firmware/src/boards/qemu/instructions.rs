@@ -1,5 +1,5 @@
-//! Counts instructions exactly: under `-icount shift=7` one instruction takes 2^7 ns of the machine's time, which are
-//! 3.2 counts of the 25 MHz system timer. Flash wait states and the pipeline are not in it.
+//! Counts instructions exactly: under `-icount shift=7` one instruction takes 2^7 ns of the machine's time,
+//! which are 3.2 counts of the 25 MHz system timer. Flash wait states and the pipeline are not in it.
 
 use core::fmt;
 use core::sync::atomic::{Ordering, compiler_fence};

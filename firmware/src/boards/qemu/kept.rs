@@ -1,5 +1,6 @@
-//! State that outlives a reset: the settings of the adapter, which is a device of its own and whose channel stays open when the drive reboots; and the
-//! cause of the reset, for which this machine has no register. It is kept in a page of RAM that no image occupies, whichever version it is.
+//! State that outlives a reset: the settings of the adapter, which is a device of its own and whose channel
+//! stays open when the drive reboots; and the cause of the reset, for which this machine has no register. It
+//! is kept in a page of RAM that no image occupies, whichever version it is.
 
 use super::register::Register;
 use narx_core::node::ResetCause;
@@ -57,7 +58,8 @@ pub fn note_cause(cause: ResetCause) {
     CAUSE.write(CAUSE_MARK | index as u32);
 }
 
-/// Returns the cause of the program's start and forgets it: to be called once. Without a note in RAM the machine had no power before.
+/// Returns the cause of the program's start and forgets it: to be called once. Without a note in RAM the
+/// machine had no power before.
 pub fn take_cause() -> ResetCause {
     let bits = CAUSE.read();
     note_cause(ResetCause::Unknown);

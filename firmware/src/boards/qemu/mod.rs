@@ -1,4 +1,5 @@
-//! Board `qemu`: QEMU's machine `mps2-an386`, a Cortex-M4F at 25 MHz with a simulated motor and power stage, and an slcan adapter on UART0.
+//! Board `qemu`: QEMU's machine `mps2-an386`, a Cortex-M4F at 25 MHz with a simulated motor and power stage,
+//! and an slcan adapter on UART0.
 //!
 //! ```text
 //!   background: World                                          control interrupt (PendSV)

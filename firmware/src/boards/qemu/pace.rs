@@ -26,7 +26,8 @@ pub fn milliseconds() -> u32 {
 /// Counts a millisecond where the system timer's interrupt does not come.
 pub fn look_for_millisecond() {
     const COUNT_FLAG: u32 = 1 << 16;
-    // SAFETY: reading the register is one access of the bus, and clears the flag, for which nobody else looks.
+    // SAFETY: reading the register is one access of the bus, and clears the flag, for which nobody else
+    // looks.
     if unsafe { (*SYST::PTR).csr.read() } & COUNT_FLAG != 0 {
         count_millisecond();
     }

@@ -13,7 +13,8 @@ impl Register {
     /// The register at `address`.
     ///
     /// # Safety
-    /// There is a 32-bit register of a peripheral, or a word that nothing else has, which may be read and written at any time.
+    /// There is a 32-bit register of a peripheral, or a word that nothing else has, which may be read and
+    /// written at any time.
     pub(super) const unsafe fn new(address: usize) -> Self {
         // SAFETY: a peripheral does not stand at 0.
         Self(unsafe { NonNull::new_unchecked(address as *mut u32) })

@@ -43,8 +43,8 @@ impl fmt::Display for FileError {
 /// The arguments behind the program's name, split at spaces; nothing if they do not fit in `line`.
 pub fn arguments(line: &mut [u8]) -> impl Iterator<Item = &str> {
     let mut block = [line.as_mut_ptr() as usize, line.len()];
-    // SAFETY: GET_CMDLINE writes at most the second word's number of bytes to the address in the first word, which is
-    // `line`, and the length into the block.
+    // SAFETY: GET_CMDLINE writes at most the second word's number of bytes to the address in the first word,
+    // which is `line`, and the length into the block.
     let failed = unsafe { operation(nr::GET_CMDLINE, &mut block) } != 0;
     let length = if failed { 0 } else { block[1] };
     let text = line.get(..length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("");
@@ -57,7 +57,8 @@ pub fn print(text: &CStr) {
     unsafe { syscall1!(WRITE0, text.as_ptr()) };
 }
 
-/// Prints a line of 62 bytes at most; of a longer one nothing. Unlike `hprintln!` it keeps no handle for all, whose lock could panic.
+/// Prints a line of 62 bytes at most; of a longer one nothing. Unlike `hprintln!` it keeps no handle for all,
+/// whose lock could panic.
 pub fn print_line(text: fmt::Arguments<'_>) {
     let mut line = String::<64>::new();
     if write!(line, "{text}\n\0").is_ok()
@@ -100,8 +101,8 @@ fn read_open(handle: usize, buffer: &mut [u8]) -> Result<&[u8], FileError> {
     let length = unsafe { operation(nr::FLEN, &mut [handle]) };
     let room = buffer.len();
     let content = buffer.get_mut(..length).ok_or(FileError::TooLong { length, room })?;
-    // SAFETY: READ writes at most the third word's number of bytes to the address in the second word, which is
-    // `content`.
+    // SAFETY: READ writes at most the third word's number of bytes to the address in the second word, which
+    // is `content`.
     let missing = unsafe { operation(nr::READ, &mut [handle, content.as_mut_ptr() as usize, length]) };
     if missing == 0 { Ok(content) } else { Err(FileError::Unreadable) }
 }

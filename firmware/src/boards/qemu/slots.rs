@@ -1,5 +1,6 @@
-//! The slots of the board and the flash in which they lie: its PSRAM, which a reset leaves alone and no image is loaded to. The emulator can keep it in a
-//! file, and then it outlives that, too. It behaves like the flash inside a microcontroller: words of 8 bytes, written once after an erase, or with zeros.
+//! The slots of the board and the flash in which they lie: its PSRAM, which a reset leaves alone and no image
+//! is loaded to. The emulator can keep it in a file, and then it outlives that, too. It behaves like the
+//! flash inside a microcontroller: words of 8 bytes, written once after an erase, or with zeros.
 
 use core::ptr;
 use cortex_m::peripheral::SCB;
@@ -11,7 +12,8 @@ use narx_boot::Map;
 /// The PSRAM (MPS2, application note 386).
 pub(super) const START: usize = 0x2100_0000;
 const PAGE: u32 = 4 << 10;
-/// A megabyte that runs, and what its swap needs. The bootloader stands at 0, and the parameters have a chip of their own.
+/// A megabyte that runs, and what its swap needs. The bootloader stands at 0, and the parameters have a chip
+/// of their own.
 pub const MAP: Map = Map::stacked([0, 1 << 20, (1 << 20) + PAGE, 3 * PAGE, 0]);
 
 /// The flash of the slots.
@@ -82,7 +84,8 @@ impl NorFlash for Slots {
     fn erase(&mut self, from: u32, to: u32) -> Result<(), SlotsError> {
         check_erase(self, from, to).map_err(SlotsError::Request)?;
         for offset in (from..to).step_by(8) {
-            // SAFETY: a word of the flash, as was checked. Who erases the program that runs has been told not to.
+            // SAFETY: a word of the flash, as was checked. Who erases the program that runs has been told not
+            // to.
             unsafe { ptr::write_volatile(Self::word(offset), u64::MAX) };
         }
         Ok(())
@@ -107,8 +110,8 @@ impl NorFlash for Slots {
 /// Enters the image in the active slot, which was verified.
 pub fn enter() -> ! {
     let entry = (START + MAP.entry() as usize) as *const u32;
-    // SAFETY: a vector table begins there: a stack pointer and the address of a function that never returns. Nothing that the bootloader has is used
-    // any more, and no interrupt of its is on.
+    // SAFETY: a vector table begins there: a stack pointer and the address of a function that never returns.
+    // Nothing that the bootloader has is used any more, and no interrupt of its is on.
     unsafe {
         (*SCB::PTR).vtor.write(entry as u32);
         cortex_m::asm::bootload(entry)

@@ -11,8 +11,8 @@ pub(super) fn high_water() -> usize {
     let low = &raw const _stack_end;
     let high = &raw const _stack_start;
     let mut at = low;
-    // SAFETY: the linker script's symbols enclose aligned words of RAM, which start-up has painted; what is above the
-    // stack pointer belongs to callers and is only read.
+    // SAFETY: the linker script's symbols enclose aligned words of RAM, which start-up has painted; what is
+    // above the stack pointer belongs to callers and is only read.
     while at < high && unsafe { ptr::read_volatile(at) } == cortex_m_rt::STACK_PAINT_VALUE {
         at = at.wrapping_add(1);
     }
@@ -28,7 +28,8 @@ pub(super) fn spoil() {
     unsafe { ptr::write_volatile((&raw const _stack_end).cast_mut(), 0) };
 }
 
-/// Runs `work` and tells how many bytes of stack it took, looking at `WINDOW` words: up to the lowest that was written.
+/// Runs `work` and tells how many bytes of stack it took, looking at `WINDOW` words: up to the lowest that
+/// was written.
 ///
 /// # Panics
 /// It took more than the window.
@@ -37,8 +38,9 @@ pub fn used<const WINDOW: usize, T>(work: impl FnOnce() -> T) -> (T, usize) {
     let top = cortex_m::register::msp::read() as usize;
     let low = (top - WINDOW * size_of::<u32>()) as *mut u32;
     for word in 0..WINDOW {
-        // SAFETY: below the stack pointer is nobody's RAM: no interrupt is on in the images that measure, and the window ends far above the
-        // statics. Calls that the compiler makes here are over before `work` begins.
+        // SAFETY: below the stack pointer is nobody's RAM: no interrupt is on in the images that measure, and
+        // the window ends far above the statics. Calls that the compiler makes here are over before `work`
+        // begins.
         unsafe { ptr::write_volatile(low.wrapping_add(word), cortex_m_rt::STACK_PAINT_VALUE) };
     }
     let result = work();

@@ -47,7 +47,8 @@ pub struct Trouble {
 }
 
 impl Trouble {
-    /// Returns whether `task` is to be in trouble at this tick; from the first time on, the time that it hangs is counted.
+    /// Returns whether `task` is to be in trouble at this tick; from the first time on, the time that it
+    /// hangs is counted.
     pub fn has(self, task: Task, tick: u64) -> bool {
         let hangs = self.task == task && tick >= self.after;
         if hangs {
@@ -56,7 +57,8 @@ impl Trouble {
         hangs
     }
 
-    /// Hangs, if it is the turn of `task`: in the control interrupt, which no other interrupts, the clock is looked after here.
+    /// Hangs, if it is the turn of `task`: in the control interrupt, which no other interrupts, the clock is
+    /// looked after here.
     pub fn meet(self, task: Task, tick: u64) {
         if self.has(task, tick) {
             loop {

@@ -1,4 +1,5 @@
-//! Vectors of the machine's 32 interrupts (MPS2, application note 386): a table of all that a processor may have would have to stand where no slot begins.
+//! Vectors of the machine's 32 interrupts (MPS2, application note 386): a table of all that a processor may
+//! have would have to stand where no slot begins.
 
 unsafe extern "C" {
     fn DefaultHandler();

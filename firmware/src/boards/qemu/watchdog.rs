@@ -1,4 +1,5 @@
-//! The watchdog (Arm, *Cortex-M System Design Kit*, APB watchdog): an interrupt that cannot be masked, then a reset.
+//! The watchdog (Arm, *Cortex-M System Design Kit*, APB watchdog): an interrupt that cannot be masked, then a
+//! reset.
 
 use super::register::Register;
 
@@ -9,7 +10,8 @@ const CONTROL: Register = unsafe { Register::new(0x4000_8008) };
 // SAFETY: the same watchdog.
 const INTERRUPT_CLEAR: Register = unsafe { Register::new(0x4000_800C) };
 
-/// Half of what it waits for, ms of the host's time, unless it is told another: an emulator may have to wait for a busy host.
+/// Half of what it waits for, ms of the host's time, unless it is told another: an emulator may have to wait
+/// for a busy host.
 pub const PERIOD_MS: u32 = 4000;
 /// Counting with interrupt, and reset at the second time.
 const ENABLE: u32 = 0b11;

@@ -78,7 +78,8 @@ pub struct World {
     pub watchdog: Watchdog,
     /// Most of the stack that was seen used, bytes.
     pub stack: usize,
-    /// Time at which a real bus would have taken all frames sent so far, ticks: the serial line is faster than a bus.
+    /// Time at which a real bus would have taken all frames sent so far, ticks: the serial line is faster
+    /// than a bus.
     pub bus_free_at: u64,
     /// Tests that go on.
     pub tests: Tests,
@@ -88,8 +89,9 @@ pub struct World {
     pub server: Option<Server<Slots>>,
 }
 
-/// Self-tests of this board. It has no second clock: all clocks in the emulator count the same time, so there is no test of clocks at boot; and as a
-/// busy host may slow the motor down, control ticks are watched for being too fast only.
+/// Self-tests of this board. It has no second clock: all clocks in the emulator count the same time, so there
+/// is no test of clocks at boot; and as a busy host may slow the motor down, control ticks are watched for
+/// being too fast only.
 pub struct Tests {
     failed: SelfTests,
     walk: Walk,

@@ -11,10 +11,11 @@ const TOLD: usize = 200;
 const CUT: &str = "the file ends within this line";
 
 impl CanLog {
-    /// Reads the lines of a whole log, on as many threads; their number changes nothing but the time that it takes.
+    /// Reads the lines of a whole log, on as many threads; their number changes nothing but the time that it
+    /// takes.
     ///
-    /// A last line without its end is a frame if it reads as one, unless its neighbours show that it was cut: it has no direction and
-    /// the one before has, or fewer bytes than the frame before with its identifier.
+    /// A last line without its end is a frame if it reads as one, unless its neighbours show that it was cut:
+    /// it has no direction and the one before has, or fewer bytes than the frame before with its identifier.
     pub fn read_candump(&mut self, text: &[u8], threads: usize) {
         let end = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
         let (whole, tail) = text.split_at(end);
@@ -101,7 +102,7 @@ impl CanLog {
         self.errors.push(LineError { line, text, reason });
     }
 
-    /// Whether the last line, which has no end, is not all of a line.
+    /// Returns whether the last line, which has no end, is incomplete.
     fn is_cut(&self, whole: &[u8], tail: &[u8]) -> bool {
         let frame = match Line::parse(tail) {
             Ok(Some(Line { content: Content::Frame(frame), .. })) => frame,
@@ -121,7 +122,7 @@ impl CanLog {
     }
 }
 
-/// Whether a line ends with a direction.
+/// Returns whether a line ends with a direction.
 fn is_directed(line: &[u8]) -> bool {
     matches!(line.trim_ascii(), [.., b' ', b'R' | b'r' | b'T' | b't'])
 }

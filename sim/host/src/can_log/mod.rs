@@ -1,8 +1,8 @@
 //! Logs of a CAN bus, decoded: frames in, columns out.
 //!
-//! [`CanLog::push`] takes a frame that was read from anywhere; [`CanLog::read_candump`] reads a whole log of can-utils, on several
-//! processors. Every frame is kept in [`Frames`], with the table that its message stands in, and every line that is no frame in
-//! `errors`: nothing is lost without being told.
+//! [`CanLog::push`] takes a frame that was read from anywhere; [`CanLog::read_candump`] reads a whole log of
+//! can-utils, on several processors. Every frame is kept in [`Frames`], with the table that its message
+//! stands in, and every line that is no frame in `errors`: nothing is lost without being told.
 
 mod candump;
 mod column;
@@ -26,7 +26,8 @@ use std::sync::Arc;
 pub struct Config {
     /// The drive and its master.
     pub ends: Ends,
-    /// TX-Drivers whose PDOs of 8 bytes carry two positions of 24 bits and the encoder, not two of 32 bits: bit n is node-id n.
+    /// TX-Drivers whose PDOs of 8 bytes carry two positions of 24 bits and the encoder, not two of 32 bits:
+    /// bit n is node-id n.
     pub encoders: u128,
 }
 
@@ -49,7 +50,7 @@ pub struct LineError {
     pub line: usize,
     /// The line, or its beginning.
     pub text: String,
-    /// Why.
+    /// Reason why the line is no frame.
     pub reason: &'static str,
 }
 

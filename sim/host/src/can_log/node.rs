@@ -108,8 +108,8 @@ fn columns(place: usize) -> Vec<(Signal, Values)> {
     }
 }
 
-/// Decodes a frame. The length of a PDO tells what it carries, but for those of 8 bytes: `encoder` says whether those of the node
-/// carry an encoder's position.
+/// Decodes a frame. The length of a PDO tells what it carries, but for those of 8 bytes: `encoder` says
+/// whether those of the node carry an encoder's position.
 ///
 /// # Errors
 /// The frame is no message of this protocol, or a malformed one.

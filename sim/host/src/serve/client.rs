@@ -7,15 +7,18 @@ use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError};
 
-/// Pieces that wait between a reader and the simulation: then the reader waits, and with it whoever writes that much.
+/// Pieces that wait between a reader and the simulation: then the reader waits, and with it whoever writes
+/// that much.
 pub(super) const PIECES: usize = 4;
 /// Bytes of a piece at most.
 pub(super) const PIECE: usize = 1024;
-/// Lines that wait for a client that does not read: five seconds of a full bus, longer than any download but that of a log.
+/// Lines that wait for a client that does not read: five seconds of a full bus, longer than any download but
+/// that of a log.
 pub(super) const LINES: usize = 16_384;
 /// Frames that wait for the bus.
 pub(super) const FRAMES: usize = 256;
-/// Bytes of a client that are looked at in a control tick, so that rubbish costs the others no time: a serial line of 10 Mbit/s.
+/// Bytes of a client that are looked at in a control tick, so that rubbish costs the others no time: a serial
+/// line of 10 Mbit/s.
 const BYTES_A_TICK: usize = 100;
 /// Bytes that a writer puts together at most.
 const BATCH: usize = 4096;
@@ -79,7 +82,8 @@ impl Client {
         }
     }
 
-    /// Takes what has come of its bytes, answers it, and keeps its frames. `order` counts frames of all clients.
+    /// Takes what has come of its bytes, answers it, and keeps its frames. `order` counts frames of all
+    /// clients.
     pub(super) fn listen(&mut self, order: &mut u64) {
         for _ in 0..BYTES_A_TICK {
             if self.unread.is_empty() && !self.take() {

@@ -5,8 +5,8 @@ use narx_sim::bench::Bench;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Frames of the clients in the controller that they share: one on the bus, and one to follow it without a gap. So a more urgent frame
-/// of another client waits for one that came before it, never for more.
+/// Frames of the clients in the controller that they share: one on the bus, and one to follow it without a
+/// gap. So a more urgent frame of another client waits for one that came before it, never for more.
 const IN_CONTROLLER: usize = 2;
 
 /// A bench and its clients.

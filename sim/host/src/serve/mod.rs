@@ -1,4 +1,5 @@
-//! A virtual drive for everybody's tools: the bench in step with the clock on the wall, its bus as slcan over TCP and a pseudo-terminal.
+//! A virtual drive for everybody's tools: the bench in step with the clock on the wall, its bus as slcan over
+//! TCP and a pseudo-terminal.
 //!
 //! ```text
 //!   TCP client  <─> reader, writer ─┐             ┌─> arbitration ─> simulated bus <─> drive, plant
@@ -76,7 +77,8 @@ impl Server {
         tcp::listen(address, self.door.clone())
     }
 
-    /// Takes clients over a pseudo-terminal, one after another: the path that they open. That is `link`, a symbolic link, if one is asked for.
+    /// Takes clients over a pseudo-terminal, one after another: the path that they open. That is `link`, a
+    /// symbolic link, if one is asked for.
     ///
     /// # Errors
     /// This system has none, or there is something else at `link`.

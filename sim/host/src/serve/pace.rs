@@ -1,4 +1,5 @@
-//! Simulated time in step with the clock on the wall: no drift, and after a stall neither a burst of frames nor a jump of time.
+//! Simulated time in step with the clock on the wall: no drift, and after a stall neither a burst of frames
+//! nor a jump of time.
 
 use std::time::Duration;
 
@@ -18,8 +19,8 @@ impl Speed {
     pub const MAX: f64 = 100.0;
 }
 
-/// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then heard every 100 ms of the
-/// drive's time, well within its time-out of 250 ms.
+/// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then heard
+/// every 100 ms of the drive's time, well within its time-out of 250 ms.
 const CATCH_UP: f64 = 2.0;
 /// Time that may be saved for a later burst, ns of real time.
 const SAVED: f64 = 5e6;
@@ -40,7 +41,7 @@ pub(super) struct Pace {
     speed: Speed,
     /// Real time of the last look.
     looked: Duration,
-    /// Where simulated time should be.
+    /// Simulated time that should be reached by now.
     target: f64,
     /// Simulated time up to which catching up may go.
     allowed: f64,

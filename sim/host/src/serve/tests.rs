@@ -256,7 +256,8 @@ fn at_another_bit_rate_one_neither_hears_nor_is_heard() {
 fn tx_drivers_answer_beside_the_drive() {
     let mut hub = hub_with(&[2, 5]);
     let client = Far::open(&mut hub);
-    // Node 2 reads its node-id, node 5 is started and asked for its position by a remote frame; nobody is node 3.
+    // Node 2 reads its node-id, node 5 is started and asked for its position by a remote frame; nobody is
+    // node 3.
     client.say(b"t60284000200000000000\rt60384000200000000000\rt00020105\rr3854\r");
     client.send([read(99)]);
     run(&mut hub, 100);
@@ -307,7 +308,8 @@ impl Simulated {
         Self { pace: Pace::new(Speed::Times(speed)), clock: Duration::ZERO, time: 0, busy: 0, share }
     }
 
-    /// Nothing happens for so long, then the simulation is let loose; simulated and busy time that passed, ns.
+    /// Nothing happens for so long, then the simulation is let loose; simulated and busy time that passed,
+    /// ns.
     fn after(&mut self, pause: Duration) -> (u64, u64) {
         self.clock += pause;
         let limits = self.pace.limits(self.clock, self.time, self.busy);

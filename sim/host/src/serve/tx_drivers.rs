@@ -5,8 +5,8 @@ use narx_core::eddycan::{Configuration, Entry};
 use narx_sim::sensor::Encoder;
 use narx_sim::tx_driver::TxDriverConfig;
 
-/// Drivers with different node-ids (1 to 127), with commas between: a node-id alone has one channel, `:dual` behind it makes two. Each has a rotary encoder on
-/// the shaft, whose counts are the factory's.
+/// Drivers with different node-ids (1 to 127), with commas between: a node-id alone has one channel, `:dual`
+/// behind it makes two. Each has a rotary encoder on the shaft, whose counts are the factory's.
 ///
 /// # Errors
 /// Description of a valid list, in words.

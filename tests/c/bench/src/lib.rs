@@ -1,5 +1,5 @@
-//! A simulated motor for C programs: `narx.h` and `bench.h` in one library, because two Rust libraries do not go into one program.
-//! There is one bench, and one thread may use it.
+//! A simulated motor for C programs: `narx.h` and `bench.h` in one library, because a program cannot link two
+//! Rust libraries. There is one bench, and only one thread may use it.
 #![cfg_attr(target_os = "none", no_std)]
 
 use core::cell::UnsafeCell;
@@ -21,17 +21,18 @@ struct Bench {
 
 struct Place(UnsafeCell<Option<Bench>>);
 
-// SAFETY: one thread uses it, as the head of this file says.
+// SAFETY: only one thread uses it, as the head of this file requires.
 unsafe impl Sync for Place {}
 
 static BENCH: Place = Place(UnsafeCell::new(None));
 
 fn bench() -> Option<&'static mut Bench> {
-    // SAFETY: one thread uses it, and no call calls another.
+    // SAFETY: only one thread uses it, and no call calls another.
     unsafe { (*BENCH.0.get()).as_mut() }
 }
 
-/// Puts the motor on the bench, with sensors (`sensorless` 0) or without. Not 0 if that cannot be.
+/// Puts the motor on the bench, with sensors (`sensorless` 0) or without. Returns 0 on success, another
+/// number if the motor cannot be commissioned.
 #[unsafe(no_mangle)]
 pub extern "C" fn bench_init(sensorless: i32) -> i32 {
     let Some(preset) = preset(MOTOR) else { return 1 };
@@ -51,7 +52,8 @@ pub extern "C" fn bench_init(sensorless: i32) -> i32 {
     0
 }
 
-/// Of the parameters that commissioning has changed, that with place `index`, from 0 on: 1 and its number and raw value, or 0 behind the last.
+/// Reads a parameter that commissioning has changed: number `index` of them, from 0. Returns 1 and writes its
+/// number and raw value; returns 0 after the last.
 ///
 /// # Safety
 /// `number` and `value` are writable.
@@ -81,7 +83,7 @@ pub unsafe extern "C" fn bench_sample(samples: *mut narx_samples_t) {
     }
 }
 
-/// Applies the answer to them and ends the period.
+/// Applies the command that answers them, and ends the period.
 ///
 /// # Safety
 /// `command` is readable.
@@ -93,7 +95,7 @@ pub unsafe extern "C" fn bench_finish(command: *const narx_pwm_command_t) {
     }
 }
 
-/// The shaft's true speed, mechanical rpm.
+/// True speed of the shaft, mechanical rpm.
 #[unsafe(no_mangle)]
 pub extern "C" fn bench_rpm() -> f64 {
     bench().map_or(0.0, |bench| bench.plant.observe().speed * 60.0 / core::f64::consts::TAU)

@@ -1,4 +1,5 @@
-//! What holds for a drive whatever it is given: an observer that knows the protocol and none of the drive's reasons.
+//! Invariants of a drive under any input: an observer that knows the protocol but not the drive's inner
+//! state.
 
 use narx_core::bus::narmotion::{
     Addresses, FromDrive, MessageId, MessageKind, MotorMode, Priority, RequestWord, ToDrive,
@@ -9,23 +10,25 @@ use narx_core::motor::machine::state::TRANSITIONS;
 use narx_core::motor::{Drive, PwmCommand, State, Step};
 use narx_core::node::Node;
 
-/// A command is in the tick by then: eight may wait before it, one is taken a tick, and coefficients go first.
+/// Ticks until a command is in the control tick: eight may wait before it, one is taken per tick, and
+/// coefficients go first.
 const LATE: u64 = 20;
 
 pub(crate) struct Watch {
     addresses: Addresses,
-    /// Parameter 114, in ticks. It is written while the drive is stopped, and starts nothing.
+    /// Time-out of the command (parameter 114), ticks. It is written while the drive is stopped, and starts
+    /// nothing.
     timeout: u64,
     state: State,
-    /// Since when nobody asks for Drive or Reverse any more.
+    /// Time since which neither Drive nor Reverse is requested.
     idle: Option<u64>,
-    /// The last command that feeds the time-out.
+    /// Time of the last command that restarted the time-out.
     fed: Option<u64>,
     /// The controller has been off the bus: frames were dropped.
     pub(crate) off: bool,
-    /// The node has told the shell to restart.
+    /// The node has requested a restart of the shell.
     pub(crate) reboots: bool,
-    /// Answers to reads that are owed.
+    /// Numbers of parameters whose reads are still to be answered.
     owed: Vec<u16>,
 }
 
@@ -43,14 +46,15 @@ impl Watch {
         }
     }
 
-    /// Gives the node a frame, and sees that one which it does not obey changes nothing but a counter.
+    /// Gives the node a frame. A frame that is not a valid command of the master must change nothing but a
+    /// counter.
     pub(crate) fn give(&mut self, frame: &Frame, node: &mut Node, now: u64) {
         let ours = MessageId::of(frame).map(|id| id.destination == self.addresses.drive);
         let message = ToDrive::decode(frame);
         let obeyed = matches!((ours, message), (Ok(true), Ok((id, _))) if id.source == self.addresses.master);
         if !obeyed {
             let mut twin = node.clone();
-            // The plainest frame of its kind.
+            // The simplest frame of the same kind.
             match (ours, message) {
                 (Ok(false), _) => {}
                 (Ok(true), Ok(_)) => twin.handle_frame(&stranger(self.addresses)),
@@ -78,7 +82,8 @@ impl Watch {
         }
         let lost = frames_lost(node);
         node.handle_frame(frame);
-        // Off the bus everything waits in vain: an answer more than there is room for is counted now, the others when the bus is back.
+        // Off the bus the frames wait and are lost: an answer for which there is no room is counted now, the
+        // others when the bus is back.
         let off = node.read_parameter(number::BUS_STATE) == Some(ErrorState::BusOff as i32);
         let room = i64::from(off);
         assert!((0..=room).contains(&(frames_lost(node) - lost)), "an answer is lost");
@@ -91,7 +96,7 @@ impl Watch {
         self.timeout = self.timeout.max(timeout(node.parameters()));
     }
 
-    /// Looks at a tick.
+    /// Checks a tick.
     pub(crate) fn tick(&mut self, drive: &Drive, command: &PwmCommand, node: &Node, now: u64) {
         let state = drive.state();
         let allowed =
@@ -110,7 +115,7 @@ impl Watch {
         }
     }
 
-    /// Looks at a frame of the drive.
+    /// Checks a frame of the drive.
     pub(crate) fn heard(&mut self, frame: &Frame) {
         let (id, message) = FromDrive::decode(frame).expect("a message of a drive");
         assert_eq!((id.source, id.destination), (self.addresses.drive, self.addresses.master));
@@ -123,7 +128,7 @@ impl Watch {
         }
     }
 
-    /// Looks back: every value within its range, every read answered.
+    /// Checks the end: every value within its range, every read answered.
     pub(crate) fn end(&self, node: &Node) {
         for (row, raw) in node.parameters().iter() {
             assert!(row.accepts(raw), "{row} is {raw}");
@@ -143,7 +148,7 @@ fn timeout(parameters: &Parameters) -> u64 {
     parameters.raw(number::CAN_TIMEOUT).unsigned_abs() as u64 * 10
 }
 
-/// A good message from an address that is not the master's.
+/// A valid message from an address that is not the master's.
 fn stranger(addresses: Addresses) -> Frame {
     let other = Addresses { master: !addresses.master, ..addresses };
     ToDrive::RequestBuildInfo.encode(other)

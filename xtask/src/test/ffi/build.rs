@@ -1,4 +1,4 @@
-//! How C programs are built and started.
+//! Builds and starts C programs.
 
 use crate::cross::{self, Processor, STRICT};
 use crate::install::target_directory;
@@ -9,28 +9,28 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A compiler and what it compiles for.
+/// A compiler and its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Build {
-    /// gcc for this machine.
+    /// gcc, for this machine.
     Gcc,
-    /// clang for this machine.
+    /// clang, for this machine.
     Clang,
-    /// gcc; stopped by the first invalid access or undefined behaviour.
+    /// gcc, with sanitizers: the first invalid access or undefined behaviour stops the program.
     Sanitized,
-    /// For an emulated Cortex-M4F, with the host's files by semihosting.
+    /// gcc for an emulated Cortex-M4F, with the host's files by semihosting.
     CortexM4F,
-    /// Code for a Cortex-M0 on the same machine, whose memory has room for everything.
+    /// gcc for a Cortex-M0; the code runs on the same machine, whose memory has room for everything.
     CortexM0,
 }
 
 use Build::{Clang, CortexM0, CortexM4F, Gcc, Sanitized};
 
 impl Build {
-    /// Every one.
+    /// All builds.
     pub(super) const ALL: [Self; 5] = [Gcc, Clang, Sanitized, CortexM4F, CortexM0];
 
-    /// Where the program of a source file stands.
+    /// Path of the program of a source file.
     pub(super) fn program(self, root: &Path, source: &str) -> PathBuf {
         let kind = match self {
             Gcc => "gcc",
@@ -43,7 +43,7 @@ impl Build {
         directory(root).join(format!("{stem}-{kind}"))
     }
 
-    /// Starts it.
+    /// Returns a call of the program.
     pub(super) fn start(self, root: &Path, source: &str, arguments: &[String]) -> Command {
         let program = self.program(root, source);
         if self.processor().is_some() {
@@ -54,7 +54,7 @@ impl Build {
         command
     }
 
-    /// Starts it, and fails if it does.
+    /// Runs the program; fails if it fails.
     pub(super) fn run(self, root: &Path, source: &str) -> Outcome {
         steps::run(&mut self.start(root, source, &[]))
     }
@@ -76,7 +76,7 @@ impl Build {
         steps::run(&mut Command::new(program))
     }
 
-    /// The same of a program on the simulated board, with the drive of the examples.
+    /// Compiles a program on the simulated board, with the drive of the examples.
     pub(super) fn compile_on_bench(self, root: &Path, source: &str) -> Outcome {
         let mut compiler = self.compiler(root);
         compiler.arg("-I").arg(root.join("ffi/examples")).arg("-I").arg(root.join("tests/c"));
@@ -85,7 +85,7 @@ impl Build {
         steps::run(&mut compiler)
     }
 
-    /// A program for the Cortex-M0 in the memory of a machine that has one.
+    /// Compiles a program for the Cortex-M0, for the memory of a machine that has one.
     pub(super) fn compile_for_microbit(root: &Path, source: &str, program: &Path) -> Outcome {
         let mut compiler = cross::compiler_for(root, Processor::CortexM0, Machine::Microbit);
         compiler
@@ -97,7 +97,7 @@ impl Build {
         steps::run(compiler.arg("-o").arg(program))
     }
 
-    /// Compiler and options.
+    /// Returns the compiler with its options.
     fn compiler(self, root: &Path) -> Command {
         let mut command = match self.processor() {
             Some(processor) => cross::compiler_for(root, processor, Machine::Mps2M4),
@@ -110,7 +110,7 @@ impl Build {
         command
     }
 
-    /// A static library of ours and what it needs, after the program's sources.
+    /// Static library of ours and the libraries that it needs, after the program's sources.
     fn libraries(self, root: &Path, library: Library) -> Vec<PathBuf> {
         let file = library.path(root, self.processor());
         let system: &[&str] = if self.processor().is_some() { &[] } else { &["-lpthread", "-ldl", "-lm"] };
@@ -126,12 +126,12 @@ impl Build {
     }
 }
 
-/// Where the C programs go.
+/// Folder of the C programs.
 pub(super) fn directory(root: &Path) -> PathBuf {
     target_directory(root).join("c")
 }
 
-/// The same, made if it is not there.
+/// Creates the folder if it does not exist; returns it.
 pub(super) fn made_directory(root: &Path) -> Result<PathBuf, String> {
     let directory = directory(root);
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;

@@ -1,4 +1,5 @@
-//! The C library: C programs on this machine, also under everything that watches programs there, and on emulated microcontrollers.
+//! Tests of the C library: C programs on this machine, also under sanitizers and checkers, and on emulated
+//! microcontrollers.
 
 mod build;
 mod package;
@@ -17,7 +18,7 @@ use build::Build;
 use std::path::Path;
 use std::process::Command;
 
-/// What the tests need from Debian.
+/// Debian packages that the tests need.
 const PACKAGES: [Package; 10] = [
     Package { name: "gcc", provides: "gcc" },
     Package { name: "g++", provides: "g++" },
@@ -31,13 +32,13 @@ const PACKAGES: [Package; 10] = [
     Package { name: "qemu-system-arm", provides: qemu::PROGRAM },
 ];
 
-/// A drive in C: what it does, and every misuse.
+/// A drive in C: its functions, and every misuse.
 const DRIVE: &str = "tests/c/drive.c";
 /// Both protocols from both ends.
 const PROTOCOL: &str = "tests/c/protocol.c";
-/// The blocks' edges.
+/// Limits of the blocks.
 const BLOCKS: &str = "tests/c/blocks.c";
-/// A drive's flash.
+/// Flash of a drive.
 const STORAGE: &str = "tests/c/storage.c";
 /// A drive that spins the simulated motor, commanded by a master.
 const SPIN: &str = "tests/c/spin.c";
@@ -59,10 +60,10 @@ const CHECKS: [&str; 15] = [
     "ffi/examples/tx_driver.c",
     "ffi/examples/zero_crossing.c",
 ];
-/// Replays recordings.
+/// Program that replays recordings.
 const REPLAY: &str = "tests/c/replay.c";
 
-/// What is run, in order.
+/// Steps in their order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("C header", move || header::regenerate(root, true)),
@@ -93,7 +94,7 @@ fn run(root: &Path, build: Build) -> Outcome {
     Ok(lines)
 }
 
-/// What replays recordings, once [`steps`] have built it.
+/// Programs that replay recordings, once [`steps`] has built them.
 pub fn replayers(root: &Path) -> Vec<Replayer> {
     let replayer = |name, build: Build| {
         let root = root.to_owned();
@@ -106,17 +107,18 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
     ]
 }
 
-/// The static library for this machine and every processor, and with a motor where there is a floating point unit to simulate it.
+/// Builds the static library for this machine and every processor, and with a simulated motor where there is
+/// a floating-point unit to compute it.
 fn libraries(root: &Path) -> Outcome {
     library::ALL.iter().try_for_each(|processor| NARX.build(root, *processor).map(drop))?;
     BENCH.build(root, None)?;
     BENCH.build(root, Some(Processor::CortexM4F))
 }
 
-/// Smallest machine, real Cortex-M0: 16 KB of RAM for the blocks' examples.
+/// Runs the blocks' examples on the smallest machine, a real Cortex-M0 with 16 KB of RAM.
 fn microbit(root: &Path) -> Outcome {
     let program = build::directory(root).join("microbit");
-    // A microbit has 16 KB of memory: no room for a flash in it, or for a drive beside its master.
+    // 16 KB of memory have no room for a simulated flash, or for a drive beside its master.
     const LARGE: [&str; 2] = ["ffi/examples/flash.c", "ffi/examples/master.c"];
     let fits = |source: &&str| source.starts_with("ffi/examples") && !LARGE.contains(source);
     for source in CHECKS.into_iter().filter(fits) {
@@ -127,7 +129,8 @@ fn microbit(root: &Path) -> Outcome {
     Ok(Vec::new())
 }
 
-/// The motor turns, by hall sensors and without, and the very same is applied to it on this machine and on the emulated one.
+/// Turns the motor, with hall sensors and without, and checks that exactly the same commands are applied to
+/// it on this machine and on the emulated one.
 fn spin(root: &Path) -> Outcome {
     let mut closing = Vec::new();
     for arguments in [&[][..], &["--sensorless".to_owned()][..]] {
@@ -144,7 +147,7 @@ fn spin(root: &Path) -> Outcome {
     Ok(closing)
 }
 
-/// Builds every program, and has C++ read the header.
+/// Builds every program, and compiles the header as C++.
 fn programs(root: &Path) -> Outcome {
     build::made_directory(root)?;
     for build in Build::ALL {

@@ -1,4 +1,4 @@
-//! A release as somebody else's project meets it: found by CMake, built and run.
+//! A release in another project: found by CMake, built and run.
 
 use super::build::directory;
 use crate::archive;
@@ -9,8 +9,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Lays a release out and uses it: the consumer's program on this machine, linked for every processor, and refused for one that there is no library
-/// for.
+/// Lays a release out and uses it: runs the consumer's program on this machine, links it for every processor,
+/// and checks that CMake refuses a processor for which there is no library.
 pub(super) fn consumed(root: &Path) -> Outcome {
     let release = archive::lay_out(root)?;
     let program = built(root, &release, "x86_64", &[])?;
@@ -26,10 +26,10 @@ pub(super) fn consumed(root: &Path) -> Outcome {
     Ok(lines.lines().map(str::to_owned).collect())
 }
 
-/// The consumer's program for a processor.
+/// Builds the consumer's program for a processor.
 fn built(root: &Path, release: &Path, processor: &str, options: &[String]) -> Result<PathBuf, String> {
     let folder = directory(root).join("consumer").join(processor);
-    // What was found the last time must not be found again.
+    // The results of the last search must not be used again.
     let _ = fs::remove_dir_all(&folder);
     let mut configure = Command::new("cmake");
     configure.arg("-S").arg(root.join("tests/c/consumer")).arg("-B").arg(&folder).args(options);

@@ -1,4 +1,5 @@
-//! The two halves of a drive at once: under ThreadSanitizer with C on either side of the interface, and in Miri.
+//! Tests of the two halves of a drive at once: under ThreadSanitizer with C on either side of the interface,
+//! and in Miri.
 
 use super::build::made_directory;
 use crate::cross::STRICT;
@@ -9,11 +10,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "x86_64-unknown-linux-gnu";
-/// What ThreadSanitizer ends a program with that it has complained of.
+/// Exit code of a program that ThreadSanitizer has complained of.
 const COMPLAINED: i32 = 66;
 
-/// `tests/c/threads.c` under ThreadSanitizer: it has nothing to say of the two halves on two threads, and does of two threads in one half. The library
-/// and the standard library below it are built anew, so that every access of theirs is seen; nightly Rust does that.
+/// Runs `tests/c/threads.c` under ThreadSanitizer: it must not complain of the two halves on two threads, and
+/// must complain of two threads in one half. The library and the standard library below it are built anew, so
+/// that every access of theirs is instrumented; this needs nightly Rust.
 pub(super) fn sanitized(root: &Path) -> Outcome {
     if !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
         return Ok(vec!["not run: made for Linux on x86-64".into()]);
@@ -28,7 +30,7 @@ pub(super) fn sanitized(root: &Path) -> Outcome {
     let program = made_directory(root)?.join("threads");
     let mut compiler = Command::new("gcc");
     compiler.args(["-std=gnu99", "-O1", "-g"]).args(STRICT).arg("-I").arg(root.join("ffi/include"));
-    // Instrumented by gcc; the runtime is Rust's, which knows the calls of both compilers.
+    // Instrumented by gcc; the runtime is Rust's, which supports both compilers.
     compiler.args(["-fsanitize=thread", "-c"]).arg(root.join("tests/c/threads.c"));
     let object = program.with_extension("o");
     steps::run(compiler.arg("-o").arg(&object))?;
@@ -36,7 +38,7 @@ pub(super) fn sanitized(root: &Path) -> Outcome {
     linker.arg(&object).arg(target.join(TARGET).join("debug/libnarx.a")).arg(runtime()?);
     steps::run(linker.args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program))?;
     let lines = output(&mut Command::new(&program))?;
-    // The first complaint is enough; two threads that keep up with each other would raise them for a minute.
+    // The first complaint suffices; two competing threads would cause complaints for a minute.
     let mut misuse = Command::new(&program);
     let misuse = misuse.arg("--misuse").env("TSAN_OPTIONS", "halt_on_error=1");
     let misuse = misuse.output().map_err(|error| error.to_string())?;
@@ -46,7 +48,7 @@ pub(super) fn sanitized(root: &Path) -> Outcome {
     Ok(lines.lines().map(str::to_owned).collect())
 }
 
-/// The same halves in Miri, which knows the rules for references: `ffi/tests/halves.rs`.
+/// Runs the same halves in Miri, which checks the rules for references: `ffi/tests/halves.rs`.
 pub(super) fn interpreted(root: &Path) -> Outcome {
     install::nightly(&["miri", "rust-src"])?;
     let mut cargo = Command::new("cargo");
@@ -55,7 +57,7 @@ pub(super) fn interpreted(root: &Path) -> Outcome {
     steps::run(&mut cargo)
 }
 
-/// ThreadSanitizer's runtime library, which Rust brings.
+/// Path of ThreadSanitizer's runtime library, which comes with Rust.
 fn runtime() -> Result<PathBuf, String> {
     let root = output(Command::new("rustc").args(["+nightly", "--print", "sysroot"]))?;
     let libraries = Path::new(root.trim()).join("lib/rustlib").join(TARGET).join("lib");

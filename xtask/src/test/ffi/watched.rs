@@ -1,4 +1,4 @@
-//! C programs under what watches programs: sanitizers, valgrind, cppcheck.
+//! C programs under checking tools: sanitizers, valgrind, cppcheck.
 
 use super::build::{Build, directory};
 use super::{CHECKS, REPLAY};
@@ -7,15 +7,16 @@ use crate::vectors;
 use std::path::Path;
 use std::process::Command;
 
-/// The programs under AddressSanitizer and UndefinedBehaviorSanitizer, all vectors too; the digests are compared elsewhere. The library
-/// itself is not instrumented: its memory is valgrind's and Miri's business.
+/// Runs the programs under AddressSanitizer and UndefinedBehaviorSanitizer, with all vectors; the digests are
+/// compared elsewhere. The library itself is not instrumented: valgrind and Miri check its memory.
 pub(super) fn sanitized(root: &Path) -> Outcome {
     let mut replay = Build::Sanitized.start(root, REPLAY, &[]);
     steps::run(replay.args(vectors::recordings(root)?))?;
     super::run(root, Build::Sanitized)
 }
 
-/// Program and library under valgrind: no access outside of what was given, nothing that depends on what nobody wrote, no leak.
+/// Runs program and library under valgrind: no access outside of the given memory, no use of uninitialised
+/// values, no leak.
 pub(super) fn valgrind(root: &Path) -> Outcome {
     let mut lines = Vec::new();
     for source in CHECKS {
@@ -26,7 +27,7 @@ pub(super) fn valgrind(root: &Path) -> Outcome {
     Ok(lines)
 }
 
-/// Every C file of ours, and the header.
+/// Checks every C file of ours, and the header.
 pub(super) fn cppcheck(root: &Path) -> Outcome {
     let build = directory(root).join("cppcheck");
     std::fs::create_dir_all(&build).map_err(|error| format!("{}: {error}", build.display()))?;
@@ -34,7 +35,7 @@ pub(super) fn cppcheck(root: &Path) -> Outcome {
     command.args(["--quiet", "--std=c99", "--error-exitcode=1", "--inline-suppr"]);
     command.arg("--enable=warning,style,performance,portability");
     command.args(["--suppress=missingIncludeSystem", "--library=posix"]);
-    // Read by the processor and by the emulator.
+    // The processor and the emulator read these members.
     command.arg("--suppress=unusedStructMember:*startup.c");
     command.arg(format!("--cppcheck-build-dir={}", build.display()));
     let folders = ["ffi/include", "ffi/examples", "tests/c"].map(|folder| root.join(folder));

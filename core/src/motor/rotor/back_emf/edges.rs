@@ -7,8 +7,8 @@ use crate::motor::interval::TICK;
 use crate::motor::sense::samples::{EdgeSource, Samples};
 
 impl BackEmf {
-    /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a commutation can be taken
-    /// at the end of the very period in which the crossing before it came.
+    /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a
+    /// commutation can be taken at the end of the very period in which the crossing before it came.
     pub(super) fn crossing_before_change(
         &mut self,
         c: &BackEmfCoefficients,
@@ -33,7 +33,8 @@ impl BackEmf {
         end
     }
 
-    /// A comparator's edge: true if it is this step's crossing. The level stood until here: after blanking that makes the crossing healthy.
+    /// A comparator's edge: true if it is this step's crossing. The level stood until here: after blanking
+    /// that makes the crossing healthy.
     fn edge(&mut self, watch: Watch, code: u8, settled: bool, own: bool) -> bool {
         let (was, is) = (watch.is_beyond(self.code), watch.is_beyond(code));
         if !was && own && settled && self.passage == Passage::Unseen {

@@ -21,8 +21,9 @@ impl BackEmf {
 
     /// Slow steps: of the last 2, 4 or 8 samples.
     fn average(&self, signal: i32) -> Mean {
-        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
-        // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
+        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at
+        // most, and the signal spans 1.9 E in a step) must pass, or the crossing would move to the middle
+        // between two samples.
         let widest = (16 * self.noise).max(self.flank).min(i16::MAX.into());
         let signal = signal.min(widest).max(-widest);
         let wide = 1_u8 << self.shift;
@@ -60,8 +61,8 @@ impl BackEmf {
     }
 }
 
-/// The signal of one sample, signed as it rises: `2 v_f - v_g - v_h` in converter codes, less than 2^14; three times the back-EMF of a sinusoidal motor,
-/// twice that of a trapezoidal one.
+/// The signal of one sample, signed as it rises: `2 v_f - v_g - v_h` in converter codes, less than 2^14;
+/// three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal one.
 #[inline]
 pub(super) fn signal(samples: &Samples, watch: Watch) -> i32 {
     let [a, b, c] = &samples.phase_voltage;

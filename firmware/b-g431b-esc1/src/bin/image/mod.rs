@@ -84,7 +84,8 @@ fn main() -> ! {
     ))
 }
 
-/// Reads what the flash holds. A board that still has the device number of the factory set is numbered by its chip.
+/// Reads what the flash holds. A board that still has the device number of the factory set is numbered by its
+/// chip.
 fn open(storage: &mut CodeFlash<Region>) -> Option<Opened> {
     storage.begin(Request::Open);
     let report = loop {
