@@ -1159,7 +1159,7 @@ typedef uint8_t narx_current_mode_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Where an edge comes from.
+// Source of an edge.
 enum narx_edge_source_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
