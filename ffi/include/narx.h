@@ -922,7 +922,7 @@ typedef union narx_fields_t {
 #define NARX_LINE_DSI2 8
 
 // 64-bit words of a scope's memory on any processor.
-#define NARX_SCOPE_WORDS 1432
+#define NARX_SCOPE_WORDS 1434
 
 // 64-bit words of a narx_storage_t on any processor.
 #define NARX_STORAGE_WORDS 320
