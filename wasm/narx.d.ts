@@ -173,8 +173,8 @@ export interface MotorOptions {
     viscousFriction?: number;
     /** Shape of the back-EMF; default "trapezoidal", with a flat top of 120 degrees. */
     backEmf?: BackEmf;
-    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the
-     * drive's 6 A. */
+    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default what
+     * heats the winding by 6 W, at most 6 A. */
     ratedCurrent?: number;
 }
 
@@ -345,7 +345,7 @@ export class Motor {
      */
     constructor(options: MotorOptions);
     /**
-     * Returns a real motor by its name; `sim/src/presets.rs` has the source of every figure.
+     * Returns a real motor by its name; `sim/src/presets/` has the source of every figure.
      */
     static preset(name: MotorName): Motor;
     /**

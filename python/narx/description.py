@@ -108,7 +108,7 @@ def read(link: Link) -> Description:
     if text is None:
         text = download(link, "description")
         if check and crc32(text) != check:
-            raise RefusedError(f"CRC {crc32(text):08x} of what came is not {check:08x}, which the drive tells")
+            raise RefusedError(f"CRC {crc32(text):08x} of the download differs from {check:08x}, which the drive reports")
     description = Description(text)
     if check:
         _known[number, check] = description

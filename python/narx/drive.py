@@ -37,7 +37,7 @@ START_REFUSAL, REJECTED_PARAMETER = "Start refusal", "Rejected parameter"
 EXTENDED_FAULT_CODE = "Extended fault code"
 DRIVE, REVERSE = 1, 2
 CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE = "Hall calibration request", "Hall calibration state", 2
-REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "it was not asked for Standby before"}
+REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "Standby was not requested before"}
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ class Drive:
         state = self.state
         started = self._link.start_pending or self._master.requested in (DRIVE, REVERSE)
         if state is State.FAULT or (state in (State.INITIALIZATION, State.STANDBY) and not started):
-            raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; start({rpm:g}) begins with a speed")
+            raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; call start({rpm:g}) first")
         self._master.set_speed(rpm)
         self._link.wake()
 
@@ -260,7 +260,7 @@ class Drive:
         self._request("device info")
         build, device = self._master.build, self._master.device
         if build is None or device is None:
-            raise NoAnswerError("the drive does not say what it is")
+            raise NoAnswerError("the drive did not answer with BUILD_INFO and DEVICE_INFO")
         software = f"{device[1] >> 8}.{device[1] & 0xFF}"
         return Info(*build, hardware=device[0], software=software, device_number=device[2], address=device[3])
 

@@ -147,7 +147,7 @@ class Lines:
         """Settles the last line, which made no message. Without a reason the reader skipped it; that is an
         error only if a frame was expected."""
         if not self.settled and (reason or self._expected(self.line)):
-            told = reason or "python-can makes no frame of it"
+            told = reason or "python-can reads no frame from it"
             self._errors.append(LogError(self.number, self.line.strip()[:TOLD], told))
         self.settled = True
 
@@ -178,7 +178,7 @@ def text_frames(
             return
         except (ValueError, LookupError, TypeError) as error:
             if lines.settled:
-                errors.append(LogError(None, "", f"not such a log: {error}"))
+                errors.append(LogError(None, "", f"not a log of this format: {error}"))
                 return
             lines.settle(str(error) or type(error).__name__)
             lines.insert_blank()
@@ -196,12 +196,12 @@ def blf_frames(data: bytes, errors: list[LogError]) -> Iterator[Found]:
         for message in reader:
             yield message, None, ""
     except (BLFParseError, struct.error, zlib.error, ValueError) as error:
-        reason = str(error) or "not where an object should be"
+        reason = str(error) or "no object at the expected place"
     announced = reader.file_size if reader is not None else None
     if announced is not None and announced > len(data):
         errors.append(LogError(None, "", f"truncated: {len(data)} of {announced} bytes"))
     elif reason:
-        errors.append(LogError(None, "", f"damaged: {reason}" if reader else f"not such a log: {reason}"))
+        errors.append(LogError(None, "", f"damaged: {reason}" if reader else f"not a log of this format: {reason}"))
     elif getattr(reader, "_tail", b"").strip(b"\0"):
         # The reader ignores an incomplete last object without an error.
         errors.append(LogError(None, "", "damaged: the last object is not complete"))

@@ -171,7 +171,7 @@ def sweep(
     if callable(function_or_grid):
         task, chosen = Call(function_or_grid), {} if grid is None else grid
     elif grid is not None:
-        raise ParameterError("grid: is for a function; without one the grid comes first")
+        raise ParameterError("grid: only together with a function; otherwise pass the grid as the first argument")
     else:
         task, chosen = Start(), function_or_grid
     if chunk is not None and chunk < 1:

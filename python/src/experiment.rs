@@ -97,7 +97,7 @@ pub(crate) fn run_experiments(
             |job, stop| {
                 let run = || job.run(|| !stop.load(Ordering::Relaxed));
                 // A panic of one experiment must not end the others.
-                let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation broke down".into());
+                let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation failed".into());
                 run.and_then(|run| run.map_err(|error| error.to_string()))
             },
             |finished| {

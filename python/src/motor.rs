@@ -78,7 +78,7 @@ impl Motor {
         PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// Returns a real motor by its name; `sim/src/presets.rs` has the source of every figure.
+    /// Returns a real motor by its name; `sim/src/presets/` has the source of every figure.
     #[staticmethod]
     fn preset(py: Python<'_>, name: &str) -> PyResult<Self> {
         let preset = presets::preset(name).ok_or_else(|| {

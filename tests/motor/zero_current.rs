@@ -7,7 +7,7 @@ use narx_core::dictionary::number;
 use narx_core::motor::{Request, State};
 use narx_sim::plant::{Injection, LoadConfig};
 
-/// Ticks after which, in Standby, the mean of 1024 ticks has settled to a thousandth.
+/// Ticks after which, in Standby, the mean of 64 ms has settled to a thousandth.
 const SETTLED: u64 = 8 * 1024;
 
 /// Mean bus current over 20 ms, A, once the drive's filter has settled: the published and the true value.

@@ -85,7 +85,7 @@ def test_open_loop_turns_at_its_own_speed() -> None:
 
 def test_a_speed_without_a_start_is_refused() -> None:
     stopped = bench()
-    with pytest.raises(narx.RefusedError, match="speed 1500 rpm: the drive is in Initialization; start\\(1500\\) begins with a speed"):
+    with pytest.raises(narx.RefusedError, match="speed 1500 rpm: the drive is in Initialization; call start\\(1500\\) first"):
         stopped.drive.set_speed(1500)
     stopped.drive.start(1200, wait=False)
     stopped.drive.set_speed(1500)

@@ -23,10 +23,10 @@ BROKEN = [
     (".csv", 50, lambda line: line.rsplit(",", 2)[0], "not enough values to unpack"),
     (".csv", 50, lambda line: line[:-4], "6 data bytes where there should be 8"),
     (".asc", 55, lambda line: line.replace(" d 8 ", " d Z "), "invalid literal for int"),
-    (".asc", 55, lambda line: line[:30], "python-can makes no frame of it"),
+    (".asc", 55, lambda line: line[:30], "python-can reads no frame from it"),
     (".asc", 55, lambda line: line.rstrip()[:-2], "7 data bytes where there should be 8"),
     (".asc", 55, lambda line: line.replace(" 00 00", ""), "2 data bytes where there should be 8"),
-    (".asc", 55, lambda line: line.replace(".", "_"), "python-can makes no frame of it"),
+    (".asc", 55, lambda line: line.replace(".", "_"), "python-can reads no frame from it"),
     (".trc", 65, lambda line: line.replace(" 8 ", " Q "), "invalid literal for int"),
 ]  # fmt: skip
 
@@ -75,7 +75,7 @@ def test_a_binary_log_that_is_cut_keeps_what_was_read(tmp_path: Path, part: floa
     path.write_bytes(data[: int(len(data) * part)])
     log = narx.read_log(path)
     (error,) = log.errors
-    assert error.line is None and ("truncated: " in error.reason if part else "not such a log" in error.reason)
+    assert error.line is None and ("truncated: " in error.reason if part else "not a log of this format" in error.reason)
     assert len(log) < 20_000 and log.table("MEASUREMENT_5")[SIGNAL].tolist() == [row % 100 for row in range(len(log))]
     assert part < 0.5 or len(log) > 5000 * part
 

@@ -241,7 +241,7 @@ REFUSALS: list[tuple[Callable[[], object], str]] = [
     (lambda: narx.sweep({"rpm": 1}, samples=0), "samples 0: must be a whole number, 1 or more"),
     (lambda: narx.sweep({"rpm": 1}, seed=-1), "seed -1: must be a whole number, 0 or more"),
     (lambda: narx.sweep({"rpm": 1}, chunk=0), "chunk 0: must be a whole number, 1 or more"),
-    (lambda: narx.sweep({"rpm": 1}, grid={"rpm": 1}), "grid: is for a function"),
+    (lambda: narx.sweep({"rpm": 1}, grid={"rpm": 1}), "grid: only together with a function"),
 ]
 
 

@@ -46,7 +46,7 @@ const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
 const REFUSALS = new Map([
     [1, "no mode is enabled"],
     [2, "parameters do not fit together"],
-    [4, "it was not asked for Standby before"],
+    [4, "Standby was not requested before"],
 ]);
 
 /** Configuration of a master, and the use of its drive's description. */
@@ -151,7 +151,7 @@ export class Drive {
         this.#expectSpeed(whole("setSpeed", rpm, 0));
         const stands = this.state === STANDBY || this.state === INITIALIZATION;
         if (this.state === FAULT || (stands && !this.#link.startPending && !this.master.asksToTurn)) {
-            throw failure("RefusedError", `speed ${rpm} rpm: the drive is in ${this.stateName}; start begins with a speed`);
+            throw failure("RefusedError", `speed ${rpm} rpm: the drive is in ${this.stateName}; call start first`);
         }
         [this.#asked, this.#askedAt] = [rpm, this.#link.now];
         this.master.setSpeed(rpm);
@@ -274,7 +274,7 @@ export class Drive {
         await Promise.all([this.#request("build info"), this.#request("device info")]);
         const { build, device } = this.master;
         if (build === undefined || device === undefined) {
-            throw failure("NoAnswerError", "the drive does not say what it is");
+            throw failure("NoAnswerError", "the drive did not answer with BUILD_INFO and DEVICE_INFO");
         }
         return { build, device };
     }

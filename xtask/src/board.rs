@@ -20,7 +20,7 @@ pub const PROFILE: &str = "board";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
 # The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
-# flash, with all that the board has use for; `application` the same in a slot, with programming over CAN and without scope, hall calibration and the tick's short ways, whose
+# flash, with all that the board has use for; `application` the same in a slot, with programming over CAN and without scope and hall calibration, whose
 # flash counts the header of 512 bytes that signing puts before it; `boot` the bootloader; `bare` what the board takes beside the core: start-up, vector table, drivers, both
 # ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the flash up to the parameters, the slots of narx_boot::Map::B_G431B_ESC1, and
 # 24 KiB of RAM, of which the stack needs what is left. `fits` is false as long as an image does not.

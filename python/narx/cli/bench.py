@@ -28,7 +28,7 @@ def bench(
     mode: Annotated[str, MODE] = "sensorless",
     supply: Annotated[float | None, typer.Option(help="Supply voltage, V; else the motor's nominal one.")] = None,
     load: Annotated[float, typer.Option(help="Load torque on the shaft, N m.")] = 0.0,
-    seed: Annotated[int, typer.Option(help="Of all noise.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of all noise.")] = 1,
     tx_drivers: Annotated[
         str | None,
         typer.Option(
@@ -36,21 +36,20 @@ def bench(
         ),
     ] = None,
     tcp: Annotated[
-        str, typer.Option(help="PORT of this machine alone, or HOST:PORT; port 0 is any free one.")
+        str, typer.Option(help="PORT that only this machine reaches, or HOST:PORT; port 0 takes a free one.")
     ] = "2000",
     pty: Annotated[bool, typer.Option("--pty", help="Offer a pseudo-terminal, too.")] = False,
     link: Annotated[Path | None, typer.Option(help="A symbolic link to the pseudo-terminal.")] = None,
-    speed: Annotated[float, typer.Option(help="Simulated over real time; 0 is as fast as it can.")] = 1.0,
-    seconds: Annotated[float | None, typer.Option(help="Ends after so much simulated time; else at Ctrl-C.")] = None,
+    speed: Annotated[float, typer.Option(help="Simulated time over real time; 0 runs as fast as possible.")] = 1.0,
+    seconds: Annotated[float | None, typer.Option(help="End after this simulated time, s; without it at Ctrl-C.")] = None,
     verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="Tell every second what the drive does, and who comes and goes.")
+        bool, typer.Option("--verbose", "-v", help="Print the drive's state every second, and clients that connect or disconnect.")
     ] = False,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
-    """Serves a virtual drive in real time: slcan over TCP and a pseudo-terminal, for as many clients as one
-    likes.
+    """Serves a virtual drive in real time: slcan over TCP (up to 32 clients) and a pseudo-terminal.
 
-    With --json the first line says where the doors are.
+    With --json the first line lists the addresses.
     """
     if link is not None and not pty:
         raise typer.BadParameter(f"{link}: needs --pty", param_hint="--link")

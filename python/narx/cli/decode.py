@@ -25,8 +25,8 @@ def decode(
         list[int] | None, typer.Option(help="Node-id of a TX-Driver of two channels whose PDOs have the encoder in them.")
     ] = None,
 ) -> None:
-    """Decodes a log of CAN frames (candump, ASC, BLF, CSV, ...), a line for each message. What is no frame
-    goes to the error output with its line; exit code 1 then."""
+    """Decodes a log of CAN frames (candump, ASC, BLF, CSV, ...), a line for each message. Lines that are
+    no frame are printed to the error output; the exit code is then 1."""
     found = narx.read_log(path, slave=None, monitor=None, encoders=encoder or ())
     if summary:
         print(json.dumps(summary_of(found))) if as_json else out.print(table_of_log(found))

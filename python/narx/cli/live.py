@@ -75,7 +75,7 @@ def table_of(drive: narx.Drive) -> Table:
 
 @app.command(epilog=examples("narx -i socketcan -c can0 info", "narx -i socketcan -c can0 info --json"))
 def info(as_json: Annotated[bool, JSON] = False) -> None:
-    """Says what the drive is: releases, serial number, address."""
+    """Prints the identity of the drive: releases, serial number, address."""
     with connected() as drive:
         found = vars(drive.info)
     if as_json:

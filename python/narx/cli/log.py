@@ -17,7 +17,7 @@ app.add_typer(log, name="log")
 
 @log.command("show", epilog=examples("narx log show", "narx log show --json"))
 def log_show(as_json: Annotated[bool, JSON] = False) -> None:
-    """Says what is logged, and how full the memory is."""
+    """Prints the logged values and the fill level of the memory."""
     with connected() as drive:
         found = {"records": len(drive.log), "capacity": drive.log.capacity, "values": drive.log.slots}
     if as_json:

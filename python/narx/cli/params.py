@@ -66,7 +66,7 @@ def params_list(
     text: Annotated[str, typer.Argument(help="Part of a name, category or description.")] = "",
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
-    """Lists what there is, without a drive."""
+    """Lists all parameters; needs no drive."""
     folded = text.casefold()
     rows = [
         row
@@ -96,7 +96,7 @@ def params_dump(path: Annotated[Path | None, typer.Argument(help="JSON file; els
 
 @params.command("load", epilog=examples("narx params load drive.json --store"))
 def params_load(path: Path, store: Annotated[bool, typer.Option("--store")] = False) -> None:
-    """Writes what differs from a file of `dump`; everything is checked first."""
+    """Writes the parameters that differ from a file of `dump`; all values are checked first."""
     with connected() as drive:
         for name in drive.parameters.load_file(path):
             out.print(name, highlight=False)

@@ -18,7 +18,7 @@ def replay(
     to: Annotated[Path | None, typer.Option(help="Save what it answered.")] = None,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
-    """Runs a drive through a recording; exit code 1 when it does not answer the same bits."""
+    """Runs a drive through a recording; exit code 1 if its outputs are not the same bits."""
     run = narx.replay(recording)
     if to is not None:
         run.save(to)
