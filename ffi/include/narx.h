@@ -67,7 +67,7 @@
  * Cost
  *
  *     Flash, RAM and instructions of each part on a Cortex-M: tests/golden/ffi_sizes.toml. The drive
- *     itself costs some 250 instructions a tick with hall sensors, 380 without, 2 850 in the worst
+ *     itself costs some 310 instructions a tick with hall sensors, 480 without, 2 820 in the worst
  *     tick of all conformance vectors (tests/golden/instructions.toml); narx_drive_step adds the
  *     conversion of the caller's structures. Link with --gc-sections.
  */
