@@ -79,11 +79,10 @@ proptest! {
     ) {
         let text: String = lines.iter().map(|line| line.clone() + "\n").collect();
         let end = (text.len() as f64 * part) as usize;
-        let (whole, cut) = (read(text.as_bytes(), 1), read(&text.as_bytes()[..end], 1));
-        let (kept, all) = (cut.frames.time.len(), whole.frames.time.len());
-        prop_assert!(kept <= all);
+        let cut = read(&text.as_bytes()[..end], 1);
+        let kept = cut.frames.time.len();
         // Lines before the cut are unchanged. The last, incomplete line is at most read as a frame with less
-        // data.
+        // data, even where the whole line is none: "12#798" has half a byte too many, "12#79" has not.
         let complete = text[..end].matches('\n').count();
         let before = read(text[..end].rsplit_once('\n').map_or("", |(head, _)| &text[..head.len() + 1]).as_bytes(), 1);
         prop_assert_eq!(&cut.frames.id[..before.frames.id.len()], &before.frames.id[..]);
