@@ -143,7 +143,7 @@ def test_without_a_description_the_packages_tables_serve(text: str | None) -> No
 def test_a_description_with_another_crc_is_not_believed() -> None:
     with peer("crc", other()) as (device, bus), narx.Drive(bus) as drive:
         device.check ^= 1
-        with pytest.warns(narx.DescriptionWarning, match="CRC [0-9a-f]{8} of what came is not [0-9a-f]{8}"):
+        with pytest.warns(narx.DescriptionWarning, match="CRC [0-9a-f]{8} of the download differs from [0-9a-f]{8}"):
             assert 400 not in drive.parameters
 
 
