@@ -217,7 +217,7 @@ test("a set-point beyond the limits is refused with the parameter that says so a
     await assert.rejects(pump.run(drive.start(1 - min)), below);
     assert.equal(drive.state, 1, "nothing was commanded");
     await assert.rejects(pump.run(drive.start(NaN)), { name: "RangeError", message: "start NaN: must be a whole number from -65535 to 65535" });
-    assert.throws(() => drive.setSpeed(min), { name: "RefusedError", message: `speed ${min} rpm: the drive is in Standby; start begins with a speed` });
+    assert.throws(() => drive.setSpeed(min), { name: "RefusedError", message: `speed ${min} rpm: the drive is in Standby; call start first` });
     await pump.run(drive.start(min));
     assert.throws(() => drive.setSpeed(max + 1), above);
     assert.throws(() => drive.setSpeed(1000.5), { name: "RangeError", message: "setSpeed 1000.5: must be a whole number from 0 to 65535" });
