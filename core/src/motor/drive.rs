@@ -14,7 +14,7 @@
 //!
 //! The hall calibration alone counts its ticks, so `steers` holds while it runs.
 //!
-//! A new station needs: a deadline in `deadline`, a line in `wake`, a guard in `ask`, and a band in [`quiet`]
+//! A new station needs: a deadline in `deadline`, a line in `wake`, a guard in `ask`, and a band in `quiet`
 //! if its inputs are samples. A check that may wait for a millisecond is simpler: it is a line of a task
 //! (`tasks.rs`).
 
