@@ -132,7 +132,7 @@ fn load_of_periodic_frames() {
 }
 
 proptest! {
-    // The same frames arrive at the same instants, in whatever steps time advances.
+    // Frames and their instants do not depend on the steps in which time advances.
     #[test]
     fn steps_do_not_matter(
         sends in prop::collection::vec((0..4usize, 0..1u16 << 11, 0..3_000_000u64), 1..40),

@@ -237,3 +237,28 @@ fn a_set_point_that_leaps_is_followed() {
         }
     }
 }
+
+/// At standstill, 100 ms of a third of the bus voltage without current is an open phase; with current it is
+/// none.
+#[test]
+fn a_voltage_without_current_at_rest_is_an_open_phase() {
+    let build = |duty| {
+        let changes =
+            [(number::OPEN_LOOP_ENABLE, 1), (number::LOCK_DUTY, duty), (number::OPEN_LOOP_DUTY, duty)];
+        coefficients(&changes)
+    };
+    // 33 % of the bus, and 15 %, which need not drive a current.
+    for (duty, amperes, is_open) in [(3_300, 0.0, true), (3_300, 0.1, false), (1_500, 0.0, false)] {
+        let mut script = Scripted::new(build(duty), ScriptedRotor::new(0.2, 0.0, true), 0);
+        script.watch();
+        script.boot();
+        script.ask(Request::Drive);
+        let stopped = (0..3_000).find(|_| {
+            script.tick(|samples| samples.bus_current = current_code(amperes));
+            script.drive.state() == State::Fault
+        });
+        let context = format!("{duty} {amperes} A: {stopped:?}");
+        assert_eq!(stopped.is_some_and(|tick| (1_000..1_050).contains(&tick)), is_open, "{context}");
+        assert_eq!(script.status.extended_code == Cause::OpenPhase as u16, is_open, "{context}");
+    }
+}

@@ -209,7 +209,7 @@ fn off_time_threshold_is_told() {
     // With the slope known, the estimator corrects the angle to within a degree.
     assert!(ticks[2].sight == Sight::Before && !ticks[2].found, "{:?}", ticks[2]);
     assert!(ticks[20].sight == Sight::Nothing && ticks[20].found, "{:?}", ticks[20]);
-    // The same holds for a crossing that came before the first sample.
+    // After a crossing that came before the first sample every sample reads 0.
     let ticks = fall(&coefficients(), 24.0, 0.4, 0.5, SampleMode::OffTime, 12 << 16);
     assert!(ticks.iter().all(|seen| seen.sight == Sight::Nothing && !seen.found), "0 is no evidence");
 }

@@ -203,7 +203,7 @@ fn hall_calibration_is_requested_withdrawn_and_adopted() {
         assert_eq!(bench.read(number), (value, Done), "parameter {number}");
     }
     assert!(matches!(bench.events()[..], [Event::Coefficients(_)]));
-    // The same report again changes nothing that the master has written since.
+    // A repeated report changes nothing that the master has written since.
     bench.write(number::HALL_ORDER, 0);
     bench.node.handle_status(report(State::Standby, HallCalibration::Done(wiring)));
     assert_eq!(bench.read(number::HALL_ORDER), (0, Done));

@@ -108,7 +108,7 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
             assert reading.speed == pytest.approx(speed, rel=0.02)
             assert abs((reading.angle - turns * 360.0 + 180.0) % 360.0 - 180.0) < 4.0
             assert reading.commutation is not None and 0.0 <= reading.commutation < 1.2 / (6 * speed)
-    # The same terminal voltages as arrays; the changes of the step are rounded to whole periods.
+    # Terminal voltages of the run as arrays; the changes of the step are rounded to whole periods.
     again = ZeroCrossing(timeout=0.03)
     again.start(120.0)
     found = again.run(volts, np.full(1500, bus), force)

@@ -63,9 +63,7 @@ pub fn picture(arguments: &[&str]) -> Result<String, String> {
     let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
     let mut session = Session::new(&request.session).map_err(|error| error.to_string())?;
     while session.bench().time() < request.seconds {
-        if session.bench().time() >= START && session.master().setpoint() == 0 {
-            session.master().start(request.rpm);
-        }
+        start_when_due(&mut session, request.rpm);
         session.step();
     }
     let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
@@ -74,6 +72,13 @@ pub fn picture(arguments: &[&str]) -> Result<String, String> {
 
 /// Time at which the master requests Drive, s: after boot (0.5 s) and two of its periods of Standby.
 const START: f64 = 0.6;
+
+/// Requests Drive at [`START`].
+fn start_when_due(session: &mut Session, rpm: i32) {
+    if session.bench().time() >= START && session.master().setpoint() == 0 {
+        session.master().start(rpm);
+    }
+}
 
 /// Runs the demonstration; returns true if the motor still ran at the end and the recording replays.
 fn demonstrate(request: &Request) -> io::Result<bool> {
@@ -135,9 +140,7 @@ impl<'a> Run<'a> {
     }
 
     fn step(&mut self) {
-        if self.session.bench().time() >= START && self.session.master().setpoint() == 0 {
-            self.session.master().start(self.request.rpm);
-        }
+        start_when_due(&mut self.session, self.request.rpm);
         if let Some(displacement) = &mut self.displacement {
             displacement.send(self.session.bench_mut());
         }
