@@ -50,10 +50,14 @@ export type NodeMessage = {
 
 
 /** An `Error` of a master. Its `name` tells the kind: no answer, a refusal by the drive or this master in its
- * present state, a parameter value that is not allowed, or an image that is invalid for this drive. */
+ * present state, a parameter value that is not allowed, an image that is invalid for this drive, or a start that failed. */
 export interface MasterError extends Error {
-    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
+    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError" | "StartError";
 }
+
+/** A conversation of several messages: a start, which ends when the motor is in the loop of its mode; a hall
+ * calibration, which ends when the motor is at rest again; a reboot, which ends when the drive is ready. */
+export type JobName = "start" | "calibrate hall" | "reboot";
 
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
  * error. */
@@ -300,6 +304,11 @@ export class Master {
      */
     abortUpdate(): void;
     /**
+     * Begins a job; one that is under way ends without a result. `rpm`: speed of a start, negative in
+     * reverse. Throws a `MasterError` for a silent master.
+     */
+    begin(job: JobName, rpm?: number | null): void;
+    /**
      * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
      * names the limit's parameter and the range. Before the drive's limits were heard, only the range of
      * MOTOR_CMD is checked.
@@ -363,6 +372,10 @@ export class Master {
      * Returns the next frame that is due at `now`, s.
      */
     pollFrame(now: number): Frame | undefined;
+    /**
+     * Returns whether the job has ended in success. Throws a `MasterError` for one that has failed.
+     */
+    pollJob(): boolean;
     /**
      * Returns whether the update has succeeded: the drive runs the image now and keeps it. Throws a
      * `MasterError` for one that failed; the previous image then still runs.
@@ -493,6 +506,10 @@ export class Master {
      * Mechanical speed from the source that the control mode uses, rpm.
      */
     readonly speed: number | undefined;
+    /**
+     * True while a start waits until the drive accepts it.
+     */
+    readonly startPending: boolean;
     /**
      * Name of the state in the specification.
      */
@@ -680,6 +697,7 @@ export interface InitOutput {
     readonly master_abortUpdate: (a: number) => void;
     readonly master_acceptedSpeed: (a: number) => number;
     readonly master_asksToTurn: (a: number) => number;
+    readonly master_begin: (a: number, b: any, c: number, d: number) => [number, number];
     readonly master_build: (a: number) => any;
     readonly master_checkSpeed: (a: number, b: number) => [number, number];
     readonly master_connected: (a: number) => number;
@@ -704,6 +722,7 @@ export interface InitOutput {
     readonly master_pollChunks: (a: number) => any;
     readonly master_pollDownload: (a: number) => [number, number, number];
     readonly master_pollFrame: (a: number, b: number) => any;
+    readonly master_pollJob: (a: number) => [number, number, number];
     readonly master_pollUpdate: (a: number) => [number, number, number];
     readonly master_read: (a: number, b: any) => [number, number];
     readonly master_readParameters: (a: number) => void;
@@ -719,6 +738,7 @@ export interface InitOutput {
     readonly master_speed: (a: number) => number;
     readonly master_speedLimits: (a: number) => any;
     readonly master_start: (a: number, b: number) => [number, number];
+    readonly master_startPending: (a: number) => number;
     readonly master_state: (a: number) => number;
     readonly master_stateName: (a: number) => [number, number];
     readonly master_status: (a: number) => any;

@@ -898,7 +898,7 @@ typedef union narx_fields_t {
 #define NARX_TURN (1 << 16)
 
 // 64-bit words of a master on any processor.
-#define NARX_MASTER_WORDS 528
+#define NARX_MASTER_WORDS 544
 
 // Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2
@@ -1001,7 +1001,7 @@ enum narx_status_t
     NARX_ERROR_NO_LOG = -28,
     // A record of the log was received whole, but its content is damaged.
     NARX_ERROR_SPOILED = -29,
-    // The download was aborted by narx_master_abort_download.
+    // The download was aborted, or the job was ended by another command.
     NARX_ERROR_ABORTED = -30,
     // The node-id is not 1 to 127.
     NARX_ERROR_NODE = -31,
@@ -1021,6 +1021,14 @@ enum narx_status_t
     NARX_ERROR_SPEED = -38,
     // The board lacks equipment that the value needs (narx_board_t, equipment).
     NARX_ERROR_NOT_EQUIPPED = -39,
+    // The drive is in Fault.
+    NARX_ERROR_FAULT = -40,
+    // The drive refuses the start.
+    NARX_ERROR_START_REFUSED = -41,
+    // The job has taken too long.
+    NARX_ERROR_TIMED_OUT = -42,
+    // The hall calibration has not found the sensors.
+    NARX_ERROR_NOT_CALIBRATED = -43,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1197,6 +1205,29 @@ enum narx_download_kind_t
 typedef enum narx_download_kind_t narx_download_kind_t;
 #else
 typedef uint8_t narx_download_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A conversation of several messages.
+enum narx_job_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Starts the motor as soon as the drive accepts a start; ends when it is in closed loop, or in open loop
+    // where no closed loop is enabled.
+    NARX_JOB_KIND_START = 0,
+    // Calibrates the hall sensors: the motor turns one electrical revolution each way. Ends when it is at
+    // rest again.
+    NARX_JOB_KIND_CALIBRATE_HALL = 1,
+    // Restarts a stopped drive; ends when it is in Standby or Fault again.
+    NARX_JOB_KIND_REBOOT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_job_kind_t narx_job_kind_t;
+#else
+typedef uint8_t narx_job_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -2039,6 +2070,20 @@ typedef struct narx_chunk_t {
     uint16_t words[3];
 } narx_chunk_t;
 
+// Details of a job that has failed; 0, or 255 for an unknown state, where there are none.
+typedef struct narx_job_failure_t {
+    // Faults of a drive in Fault: sum of NARX_FAULT_*.
+    uint32_t faults;
+    // Extended fault code: NARX_CAUSE_*.
+    uint16_t cause;
+    // Parameter that does not fit the others, for refusal 2.
+    uint16_t parameter;
+    // Reason of a refused start: parameter 276.
+    uint8_t refusal;
+    // State of the drive: a narx_state_t, or 255 while unknown.
+    uint8_t state;
+} narx_job_failure_t;
+
 // A request to a drive.
 typedef struct narx_request_t {
     // Kind: a narx_request_kind_t.
@@ -2575,10 +2620,11 @@ narx_status_t narx_master_next_poll(struct narx_master_t *master,
                                     uint64_t *at);
 
 // Requests a start at a speed, mechanical rpm, negative in reverse, and repeats the request every period. A
-// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first.
-// Returns NARX_ERROR_SPEED for a speed outside the limits of narx_master_speed_limits, or, before they were
-// heard, outside the range of MOTOR_CMD. Open loop runs at parameter 88, whatever speed is requested.
-// `accepted_speed` of narx_master_report is the speed that the drive uses.
+// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first, or
+// use narx_master_begin, which does so and reports the result. Returns NARX_ERROR_SPEED for a speed outside
+// the limits of narx_master_speed_limits, or, before these were received, outside the range of MOTOR_CMD.
+// Open loop runs at parameter 88, whatever speed is requested. `accepted_speed` of narx_master_report is the
+// speed that the drive uses.
 narx_status_t narx_master_start(struct narx_master_t *master,
                                 int32_t rpm);
 
@@ -2639,6 +2685,21 @@ narx_status_t narx_master_poll_download(struct narx_master_t *master,
 
 // Aborts the download; its result is NARX_ERROR_ABORTED.
 narx_status_t narx_master_abort_download(struct narx_master_t *master);
+
+// Begins a job: a narx_job_kind_t, and for a start its speed, mechanical rpm, negative in reverse. A job
+// that is under way ends without a result; narx_master_start, narx_master_stop and narx_master_shut_down end
+// one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as narx_master_start does, and
+// NARX_ERROR_REQUEST for an undefined kind.
+narx_status_t narx_master_begin(struct narx_master_t *master,
+                                uint8_t kind,
+                                int32_t rpm);
+
+// Returns the result of the job: NARX_OK, NARX_NOTHING before its end, or the error, with its details in
+// `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED, NARX_ERROR_TIMED_OUT,
+// NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason
+// of the drive's refusal of a parameter.
+narx_status_t narx_master_poll_job(struct narx_master_t *master,
+                                   struct narx_job_failure_t *failure);
 
 // Queues a request to the drive. Answers come in the order of the requests. Returns NARX_ERROR_FULL while
 // there are eight requests whose answers were not taken, NARX_ERROR_SILENT for a silent master,

@@ -71,7 +71,7 @@ pub enum narx_status_t {
     NARX_ERROR_NO_LOG = -28,
     /// A record of the log was received whole, but its content is damaged.
     NARX_ERROR_SPOILED = -29,
-    /// The download was aborted by narx_master_abort_download.
+    /// The download was aborted, or the job was ended by another command.
     NARX_ERROR_ABORTED = -30,
     /// The node-id is not 1 to 127.
     NARX_ERROR_NODE = -31,
@@ -91,6 +91,14 @@ pub enum narx_status_t {
     NARX_ERROR_SPEED = -38,
     /// The board lacks equipment that the value needs (narx_board_t, equipment).
     NARX_ERROR_NOT_EQUIPPED = -39,
+    /// The drive is in Fault.
+    NARX_ERROR_FAULT = -40,
+    /// The drive refuses the start.
+    NARX_ERROR_START_REFUSED = -41,
+    /// The job has taken too long.
+    NARX_ERROR_TIMED_OUT = -42,
+    /// The hall calibration has not found the sensors.
+    NARX_ERROR_NOT_CALIBRATED = -43,
 }
 
 use narx_status_t::*;
@@ -113,7 +121,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 41] = [
+const ALL: [narx_status_t; 45] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -155,6 +163,10 @@ const ALL: [narx_status_t; 41] = [
     NARX_ERROR_ARGUMENT,
     NARX_ERROR_SPEED,
     NARX_ERROR_NOT_EQUIPPED,
+    NARX_ERROR_FAULT,
+    NARX_ERROR_START_REFUSED,
+    NARX_ERROR_TIMED_OUT,
+    NARX_ERROR_NOT_CALIBRATED,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -190,7 +202,7 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_NOT_OBEYED => c"the drive has refused the request",
         NARX_ERROR_NO_LOG => c"the drive has no log memory",
         NARX_ERROR_SPOILED => c"a record of the log is damaged",
-        NARX_ERROR_ABORTED => c"the download was aborted",
+        NARX_ERROR_ABORTED => c"aborted",
         NARX_ERROR_NODE => c"the node-id must be 1 to 127",
         NARX_ERROR_VARIANT => c"no such TX-Driver: channels, sample rate or measuring range",
         NARX_ERROR_UNKNOWN_ENTRY => c"no entry has this number",
@@ -199,6 +211,10 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_SETTING => c"a setting is out of its range",
         NARX_ERROR_NOT_EQUIPPED => c"the board lacks equipment that the value needs",
         NARX_ERROR_ARGUMENT => c"an argument has an undefined value",
+        NARX_ERROR_FAULT => c"the drive is in Fault",
+        NARX_ERROR_START_REFUSED => c"the drive refuses the start",
+        NARX_ERROR_TIMED_OUT => c"the job has taken too long",
+        NARX_ERROR_NOT_CALIBRATED => c"the hall calibration has not found the sensors",
         NARX_ERROR_SPEED => c"the set-point is beyond the drive's limits",
     }
 }

@@ -17,7 +17,7 @@ from typing import Any
 
 PRESET, SUPPLY, RPM = "bly172s-24v", 24.0, 3000.0
 SPEED = RPM * 2.0 * math.pi / 60.0
-# Motor data in the form of xtask/floor/plant.c: per phase ohm and henry, V s/rad of one phase, kg m2, N m,
+# Motor data in the form of lab/floor/plant.c: per phase ohm and henry, V s/rad of one phase, kg m2, N m,
 # N m s2/rad2.
 POLE_PAIRS, R, L, K, J, FRICTION, LOAD = 4, 0.404, 0.64e-3, 0.017215, 4.8e-6, 0.00964, 1.12e-6
 
@@ -42,7 +42,7 @@ def narx_bench(mode: str, keeps: bool) -> tuple[float, str]:
 
 
 def numba_loop() -> tuple[float, str]:
-    """Measures the loop of xtask/floor/plant.c in numba: a six-step drive with ideal hall sensors, 10 Euler
+    """Measures the loop of lab/floor/plant.c in numba: a six-step drive with ideal hall sensors, 10 Euler
     steps a PWM period."""
     import numpy as np
     from numba import njit

@@ -106,7 +106,7 @@ class CanLog:
             name, node = key
             table = self.table(name)
             if "Node" not in table:
-                raise SignalError(f"{table.name} is no message of a node")
+                raise SignalError(f"{table.name} is not a message of a node")
             return table.select(table["Node"] == node)
         name = folded(key)
         if name == "speed":

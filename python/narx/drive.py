@@ -13,7 +13,7 @@ from warnings import warn
 from narx import _core
 from narx._core import State
 from narx.description import describe
-from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning, StartError
+from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -24,20 +24,10 @@ from narx.update import update
 if TYPE_CHECKING:
     import can
 
-START_MAX = 10.0
-"""Longest wait for a start, s."""
-ANSWER = 0.05
-"""Longest time until a command was sent and the drive has acted on it, s."""
+JOB_MAX = 90.0
+"""Longest wait for a job, s: more than any job takes, which ends by itself."""
 
-CALIBRATION_BEGIN, CALIBRATION_MAX = 3.0, 60.0
-"""Longest waits for a hall calibration to begin and to end, s."""
-
-HALL_ENABLE, SENSORLESS_ENABLE = "Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"
-START_REFUSAL, REJECTED_PARAMETER = "Start refusal", "Rejected parameter"
-EXTENDED_FAULT_CODE = "Extended fault code"
 DRIVE, REVERSE = 1, 2
-CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE = "Hall calibration request", "Hall calibration state", 2
-REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "Standby was not requested before"}
 
 
 @dataclass(frozen=True)
@@ -154,17 +144,10 @@ class Drive:
         acknowledges the fault.
         """
         self._check_speed(rpm)
-        self._link.start(rpm)
+        self._link.begin("start", rpm)
         if not wait:
             return
-        attempt = Start(self._link, self._read, rpm < 0)
-        if not self._link.wait(attempt.done, START_MAX):
-            state = self.state
-            raise StartError(
-                f"no start within {START_MAX:g} s: the drive is in {name_of(state)}" if state is not None
-                else f"no start within {START_MAX:g} s: nothing was heard of the drive"
-            )  # fmt: skip
-        attempt.judge(self)
+        self._finish()
         used = self._master.accepted_speed
         if used is not None and used != abs(rpm) and not self._is_open_loop():
             warn(f"speed {rpm:g} rpm: the drive uses {used} rpm", SpeedWarning, stacklevel=2)
@@ -177,7 +160,7 @@ class Drive:
         """
         self._check_speed(rpm, 0)
         state = self.state
-        started = self._link.start_pending or self._master.requested in (DRIVE, REVERSE)
+        started = self._master.start_pending or self._master.requested in (DRIVE, REVERSE)
         if state is State.FAULT or (state in (State.INITIALIZATION, State.STANDBY) and not started):
             raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; call start({rpm:g}) first")
         self._master.set_speed(rpm)
@@ -311,15 +294,12 @@ class Drive:
         """Restarts a stopped drive, which first stores written parameters (parameter 307 "Automatic
         store"). With `wait`, returns once the drive is in Standby or Fault again, or raises NoAnswerError
         after 5 s."""
-        self._request("reboot")
         self._link.is_described = isinstance(self._link, BenchLink)
-        if not wait:
-            return
-        # The drive stays in Initialization for half a second of self-tests.
-        self._link.wait(lambda: self.state is State.INITIALIZATION, 0.2)
-        ready = (State.STANDBY, State.FAULT)
-        if not self._link.wait(lambda: self.state in ready, 5.0):
-            raise NoAnswerError("the drive was not heard within 5 s after its reboot")
+        if wait:
+            self._link.begin("reboot")
+            self._finish()
+        else:
+            self._request("reboot")
 
     def set_outputs(self, dsio1: bool | None = None, dsio2: bool | None = None) -> None:
         """Sets the digital lines: `None` makes one an input, True or False an output of this level."""
@@ -342,24 +322,10 @@ class Drive:
         Raises StartError if nothing was found.
         """
         if run:
-            self._link.wait(lambda: self.state not in (None, State.INITIALIZATION), CALIBRATION_BEGIN)
-        self._request("calibrate hall")
-        if not run:
-            return
-        # Any set-point will do: the calibration turns the motor at its own speed.
-        self._link.start(1.0)
-        turns = (State.ROTOR_LOCK, State.OPEN_LOOP)
-        if self._link.wait(lambda: self.state in (*turns, State.FAULT), CALIBRATION_BEGIN):
-            # On a bus the exact state is unknown between a status word and the drive's answer about it.
-            self._link.wait(lambda: self.state not in (None, *turns), CALIBRATION_MAX)
-        state, why = self.state, f": {self.fault}" if self.fault else ""
-        found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and state is State.STANDBY
-        self._link.stop()
-        # Waits until the drive has received Standby, which the next start requires.
-        self._link.wait(lambda: False, 2 * self._master.setpoint_period)
-        if not found:
-            self.parameters[CALIBRATION_REQUEST] = 0
-            raise StartError(f"the hall calibration found nothing: the drive is in {name_of(state)}{why}")
+            self._link.begin("calibrate hall")
+            self._finish()
+        else:
+            self._request("calibrate hall")
 
     def auto_calibrate(self) -> None:
         """Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus
@@ -403,74 +369,10 @@ class Drive:
     def _request(self, what: str) -> int:
         return ask(self._link, lambda: self._master.request(what))
 
-    def _read(self, name: str) -> int:
-        number = _core.parameter_number(name)
-        return ask(self._link, lambda: self._master.request("read", number))
-
-
-class Start:
-    """A start under way."""
-
-    def __init__(self, link: Link, read: Callable[[str], int], reverse: bool) -> None:
-        self._link = link
-        self._read = read
-        self._reverse = reverse
-        self._asked: float | None = None
-        # Cached answer of `ends_in_closed_loop`; `None` before it was read.
-        self._closed_loop: bool | None = None
-        self._refusal = 0
-
-    def done(self) -> bool:
-        """Returns whether the start is over, successful or not."""
-        state = self._link.master.state
-        if state is State.FAULT:
-            return True
-        if self._link.start_pending or state is None:
-            return False
-        self._asked = self._link.now if self._asked is None else self._asked
-        if self._link.now < self._asked + ANSWER:
-            return False
-        status = self._link.master.status or {}
-        turns = status.get("Motor mode") == ("Reverse" if self._reverse else "Drive")
-        match state:
-            case State.HALL_CLOSED_LOOP | State.SENSORLESS_CLOSED_LOOP:
-                return turns
-            case State.OPEN_LOOP:
-                return turns and not self.ends_in_closed_loop()
-            case State.STANDBY:
-                return self.is_refused()
-        return False
-
-    def is_refused(self) -> bool:
-        """Reads whether the drive has refused the start. A request for Standby clears the refusal. The drive
-        is asked again and again, because a slowly simulated one may be in Standby for long."""
-        if self._asked is None or self._link.now < self._asked + 4 * ANSWER:
-            return False
-        self._asked = self._link.now
-        self._refusal = self._read(START_REFUSAL)
-        return self._refusal != 0
-
-    def ends_in_closed_loop(self) -> bool:
-        if self._closed_loop is None:
-            self._closed_loop = any(self._read(name) for name in (HALL_ENABLE, SENSORLESS_ENABLE))
-        return self._closed_loop
-
-    def judge(self, drive: Drive) -> None:
-        """Raises StartError for a start that has failed."""
-        names = ", ".join(sorted(drive.faults))
-        if self._link.master.state is State.FAULT:
-            # The extended code may arrive after the state.
-            code = self._read(EXTENDED_FAULT_CODE)
-            self._link.wait(lambda: drive.fault is not None, ANSWER)
-            raise StartError(f"the drive is in Fault: {drive.fault or f'code {code:#06x}'} ({names})")
-        if self._refusal == 0:
-            return
-        rejected = self._read(REJECTED_PARAMETER)
-        if self._refusal == 2 and rejected != 0xFFFF:
-            row = drive.parameters.rows[rejected]
-            raise StartError(f'the drive refused the start: parameter {rejected} "{row.name}" does not fit the others')
-        reason = REFUSALS.get(self._refusal, f"reason {self._refusal}")
-        raise StartError(f"the drive refused the start: {reason}")
+    def _finish(self) -> None:
+        """Waits until the job has ended; raises its error."""
+        if not self._link.wait(self._master.poll_job, JOB_MAX):
+            raise NoAnswerError(f"nothing ended within {JOB_MAX:g} s")
 
 
 def connect(

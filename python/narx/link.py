@@ -42,18 +42,15 @@ class Link(ABC):
     def wait(self, done: Callable[[], bool], timeout: float) -> bool:
         """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
 
-    def start(self, rpm: float) -> None:
-        """Requests a start at a speed, as soon as the drive accepts a start."""
-        self.master.start(rpm)
-
-    @property
-    def start_pending(self) -> bool:
-        """True while a requested start was not sent to the drive yet."""
-        return self.master.start_pending
+    def begin(self, job: str, rpm: float | None = None) -> None:
+        """Begins a job: "start" at a speed, "calibrate hall" or "reboot"."""
+        self.master.begin(job, rpm)
+        self.wake()
 
     def stop(self) -> None:
         """Requests Standby."""
         self.master.stop()
+        self.wake()
 
     def take_chunks(self) -> list[tuple[int, bytes]]:
         """Returns the words of the download that have arrived: their place, and their bytes."""
@@ -65,27 +62,6 @@ class Link(ABC):
 
     def close(self) -> None:
         """Releases the bus."""
-
-
-class FreeLink(Link):
-    """A master without a bench: a start waits in the link until the drive accepts it."""
-
-    def __init__(self, master: _core.Master) -> None:
-        super().__init__(master)
-        self._starter = Starter(master)
-
-    def start(self, rpm: float) -> None:
-        self._starter.start(rpm)
-        self.wake()
-
-    @property
-    def start_pending(self) -> bool:
-        return self._starter.pending
-
-    def stop(self) -> None:
-        self._starter.cancel()
-        self.master.stop()
-        self.wake()
 
 
 class BenchLink(Link):
@@ -110,7 +86,7 @@ class BenchLink(Link):
         return True
 
 
-class BusLink(FreeLink):
+class BusLink(Link):
     """A bus of python-can. A notifier's thread receives frames, and the link's own thread sends them, so that
     set-points continue when no call waits."""
 
@@ -192,7 +168,6 @@ class BusLink(FreeLink):
         with self._changed:
             while not self._closed:
                 try:
-                    self._starter.poll(self.now)
                     send_due(self.master, self._bus, self.now)
                 except Exception as error:
                     self._fail(error)
@@ -201,7 +176,7 @@ class BusLink(FreeLink):
                 self._changed.wait(min(max(due, 0.0005), 0.05))
 
 
-class SteppedLink(FreeLink):
+class SteppedLink(Link):
     """A bus whose time passes when it is read (`can.Bus(interface="narx", realtime=False)`): a call that
     waits reads it."""
 
@@ -219,47 +194,12 @@ class SteppedLink(FreeLink):
             now = self.now
             if now >= end:
                 return False
-            self._starter.poll(now)
             send_due(self.master, self._bus, now)
             due = min(self.master.next_poll(now) - now, end - now, 0.01)
             message = self._bus.recv(max(due, 0.0005))
             if message is not None:
                 handle(self.master, message, self.now)
         return True
-
-
-class Starter:
-    """A start that waits until the drive accepts it: it must have received Standby since it last stopped or
-    booted."""
-
-    def __init__(self, master: _core.Master) -> None:
-        self._master = master
-        self._rpm: float | None = None
-        self._asked: float | None = None
-
-    @property
-    def pending(self) -> bool:
-        return self._rpm is not None
-
-    def start(self, rpm: float) -> None:
-        self._rpm, self._asked = rpm, None
-
-    def cancel(self) -> None:
-        self._rpm = None
-
-    def poll(self, now: float) -> None:
-        state = self._master.state
-        if self._rpm is None or state is None:
-            return
-        if state in (_core.State.INITIALIZATION, _core.State.STANDBY):
-            if self._asked is None:
-                self._master.stop()
-            if self._asked is None or state is _core.State.INITIALIZATION:
-                self._asked = now
-            if now < self._asked + 2 * self._master.setpoint_period:
-                return
-        self._master.start(self._rpm)
-        self._rpm = None
 
 
 def handle(master: _core.Master, message: can.Message, now: float) -> None:

@@ -108,7 +108,7 @@ class Log:
         slots = [self._names.number(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
         count = SLOT_LAST + 1 - SLOT_FIRST
         if len(slots) > count:
-            raise ParameterError(f"values: {len(slots)} are too many, the log has {count} slots")
+            raise ParameterError(f"values: {len(slots)} exceed the {count} slots of the log")
         self._parameters[PERIOD] = period * 1000.0
         for at, slot in enumerate(slots + [NOTHING] * (count - len(slots))):
             self._parameters[SLOT_FIRST + at] = slot
@@ -129,7 +129,7 @@ class Log:
         last = len(self)
         count = max(last - first, 0) if count is None else count
         if first < 0 or count < 0 or first + count > last:
-            raise ParameterError(f"records {first} to {first + count}: the log has {last}")
+            raise ParameterError(f"records {first} to {first + count}: the log has {last} records")
         if count == 0:
             return table([], self._names)
         size = int(self._parameters[RECORD_BYTES])
@@ -148,7 +148,7 @@ class Log:
             erasing = self.state in ("LOG_ERASE_ONGOING", "LOG_ERASE_END")
             idle = 0 if erasing or len(self) > 0 and self.full else idle + 1
             if not self._link.master.connected:
-                raise NoAnswerError("the drive was lost while it erases its log")
+                raise NoAnswerError("the connection to the drive was lost while it erased its log")
 
 
 def table(records: list[tuple[int, float, list[tuple[int, int]]]], known: Names) -> Trace:

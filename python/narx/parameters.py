@@ -82,7 +82,7 @@ class Parameters(MutableMapping[str | int, float]):
         return [row for row in self.rows.values() if folded in f"{row.name} {row.category} {row.description}".casefold()]
 
     def to_dict(self) -> dict[str, float]:
-        """Returns every parameter that can be written and is no command, by name, for `load`."""
+        """Returns every parameter that can be written and is not a command, by name, for `load`."""
         return {row.name: self[row.number] for row in self.rows.values() if row.access != READ_ONLY and not row.command}
 
     def load(self, values: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float]) -> list[str]:
@@ -112,9 +112,9 @@ class Parameters(MutableMapping[str | int, float]):
         try:
             values = json.loads(Path(path).read_text(encoding="utf-8"))
         except ValueError as error:
-            raise ParameterError(f'file "{path}" is no file of parameters: {error}') from None
+            raise ParameterError(f'file "{path}" is not a parameter file: {error}') from None
         if not isinstance(values, dict):
-            raise ParameterError(f'file "{path}" is no file of parameters: it must hold one object of names and values')
+            raise ParameterError(f'file "{path}" is not a parameter file: it must contain one object of names and values')
         return self.load(values)
 
     def diff(self, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
@@ -144,7 +144,7 @@ class Parameters(MutableMapping[str | int, float]):
         self._ask("device info")
         device = self._link.master.device
         if device is None:
-            raise NoAnswerError("the drive does not say its device number")
+            raise NoAnswerError("the drive does not report its device number")
         self._ask("restore factory", device[2])
 
     def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:

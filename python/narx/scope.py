@@ -26,13 +26,13 @@ ROOM, REFUSAL = 305, 306
 
 SIGNALS_A_TICK = 4
 REFUSALS = {
-    1: "there is no record",
-    2: "it records",
-    3: "signals times samples exceed the memory",
-    4: "the prescaler leaves too few ticks to read the signals",
-    5: "no sample is left for what comes after the trigger",
-    6: "the drive has no memory for it",
-    7: "a signal is unknown",
+    1: "no record is stored",
+    2: "a recording is in progress",
+    3: "the samples of all signals exceed the scope memory",
+    4: "the prescaler is too small for this number of signals",
+    5: "all samples are before the trigger",
+    6: "the drive has no memory for this record",
+    7: "an unknown signal is selected",
 }
 """Meanings of parameter 306."""
 
@@ -148,7 +148,7 @@ class Scope:
         """
         chosen = [known(name, self._signals) for name in signals]
         if not chosen:
-            raise ParameterError("signals: must name at least one")
+            raise ParameterError("signals: must name at least one signal")
         self._expect_room(len(set(chosen)), samples, prescaler, before)
         self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << self._signals[name][0] for name in chosen})})
 
@@ -169,10 +169,10 @@ class Scope:
         of = f"{wide} signal{'s' if wide > 1 else ''}"
         if samples > most:
             raise ParameterError(
-                f"samples {samples}: must be 1 to {most} for {of}, of which a memory of {room} words has no more room; prescaler {least} or more"
+                f"samples {samples}: must be 1 to {most} for {of}, because the memory holds {room} words; prescaler {least} or more"
             )
         if prescaler < least:
-            raise ParameterError(f"prescaler {prescaler}: must be at least {least} for {of}: the drive reads {SIGNALS_A_TICK} in a control tick")
+            raise ParameterError(f"prescaler {prescaler}: must be at least {least} for {of}: the drive reads {SIGNALS_A_TICK} signals per control tick")
         if before >= samples:
             raise ParameterError(f"before {before}: must be 0 to {samples - 1}, fewer than samples {samples}")
 
@@ -196,7 +196,7 @@ class Scope:
     def force(self) -> None:
         """Triggers the armed scope now. Raises RefusedError if it is not armed."""
         if self.state is not ScopeState.ARMED:
-            raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed one can be forced")
+            raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed scope can be forced")
         self._press()
 
     def wait(self, timeout: float = 10.0) -> None:
@@ -204,7 +204,7 @@ class Scope:
         end = self._link.now + timeout
         while (state := self.state) is not ScopeState.DONE:
             if self._link.now >= end:
-                raise NoAnswerError(f"the scope is {state.name.lower()} after {timeout:g} s: its trigger did not come")
+                raise NoAnswerError(f"the scope is {state.name.lower()} after {timeout:g} s: the trigger has not occurred")
             self._link.wait(lambda: False, 0.01)
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
@@ -267,7 +267,7 @@ class Scope:
 
     def _expect_record(self, inputs: bool) -> None:
         if (state := self.state) is not ScopeState.DONE:
-            raise RefusedError(f"the scope is {state.name.lower()}: it has no record")
+            raise RefusedError(f"the scope is {state.name.lower()}: no record is stored")
         if bool(self._parameters[INPUTS]) is not inputs:
             kind, call = ("signals", "download") if inputs else ("inputs", "download_recording")
             raise RefusedError(f"the scope has recorded {kind}: {call}() reads it")

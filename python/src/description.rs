@@ -219,7 +219,7 @@ pub(crate) fn entered(scale: Scale<'_>, value: &Bound<'_, PyAny>) -> PyResult<f6
         let (kind, unit) = (if scale.is_whole() { "whole number" } else { "number" }, scale.unit);
         let space = if unit.is_empty() { "" } else { " " };
         let [min, max] = [scale.min, scale.max].map(|raw| scale.to_unit(raw));
-        error::parameter(format!("{scale}: {shown} is no {kind} from {min} to {max}{space}{unit}"))
+        error::parameter(format!("{scale}: {shown} is not a {kind} from {min} to {max}{space}{unit}"))
     })
 }
 

@@ -27,6 +27,11 @@ pub(crate) fn refused(message: impl Display) -> PyErr {
     raise("RefusedError", &message)
 }
 
+/// Returns a StartError: the motor did not start, or was not calibrated.
+pub(crate) fn start(message: impl Display) -> PyErr {
+    raise("StartError", &message)
+}
+
 /// Returns an AbortError: a node refuses a request, with the code of its SDO abort.
 pub(crate) fn abort(py: Python<'_>, message: String, code: u32) -> PyErr {
     let class = py.import("narx.errors").and_then(|module| module.getattr("AbortError"));

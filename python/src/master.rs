@@ -8,8 +8,8 @@ use crate::state;
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::master::{
-    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, SpeedLimits,
-    UpdateProgress,
+    Answer, Config, Download, Heard, Image, Job, JobError, Master as Core, Request, RequestError,
+    SpeedLimits, UpdateProgress,
 };
 use narx_core::motor::{FaultWord, State};
 use narx_sim::session::Session;
@@ -202,15 +202,28 @@ impl Master {
         self.with(py, |master, _| master.requested().map(|mode| mode as u8))
     }
 
-    /// Requests a start at a speed, rpm, negative in reverse. On a bench the start waits for the drive's
-    /// self-tests.
-    fn start(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rpm = rpm_of(rpm)?;
+    /// Begins a job: "start" at a speed, rpm, negative in reverse, "calibrate hall" or "reboot". `poll_job`
+    /// returns its end.
+    #[pyo3(signature = (job, rpm=None))]
+    fn begin(&self, py: Python<'_>, job: &str, rpm: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let job = match rpm {
+            Some(rpm) => Job::Start { rpm: rpm_of(rpm)? },
+            None => error::choice("job", job, &JOBS)?,
+        };
         match &self.host {
-            Host::Bench(session) => session.with(py, |session| session.start(rpm)),
-            Host::Free(_) => self.with(py, |master, _| master.start(rpm)),
+            Host::Bench(session) => session.with(py, |session| session.begin(job)),
+            Host::Free(_) => self.with(py, |master, _| master.begin(job)),
         }
-        Ok(())
+        .map_err(error::refused)
+    }
+
+    /// Returns whether the job has ended in success. Raises the error of the job.
+    fn poll_job(&self, py: Python<'_>) -> PyResult<bool> {
+        match self.with(py, |master, _| master.poll_job()) {
+            None => Ok(false),
+            Some(Ok(())) => Ok(true),
+            Some(Err(error)) => Err(job_error(&self.tables(), error)),
+        }
     }
 
     /// Requests another speed in the same direction, rpm.
@@ -236,10 +249,11 @@ impl Master {
         self.with(py, |master, _| master.shut_down());
     }
 
-    /// True while a start waits until the drive of a bench is ready.
+    /// True while a start waits until the drive accepts it.
     #[getter]
     fn start_pending(&self, py: Python<'_>) -> bool {
-        self.exact(py, Session::is_start_pending).unwrap_or(false)
+        let exact = self.exact(py, Session::is_start_pending);
+        exact.unwrap_or_else(|| self.with(py, |master, _| master.is_start_pending()))
     }
 
     /// Magnitude of the set-point, rpm.
@@ -506,6 +520,22 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
         "restore factory" => Request::RestoreFactory { serial: number },
         _ => error::choice("request", what, &Request::NAMED)?,
     })
+}
+
+/// Jobs without arguments, by their names.
+const JOBS: [(&str, Job); 2] = [("calibrate hall", Job::CalibrateHall), ("reboot", Job::Reboot)];
+
+/// Converts the error of a job.
+fn job_error(tables: &Tables, error: JobError) -> PyErr {
+    match error {
+        JobError::Request(RequestError::NoAnswer) => {
+            error::no_answer("the drive does not answer: it is off the bus, or driving")
+        }
+        JobError::Request(RequestError::Refused(refusal)) => tables.refusal(&refusal),
+        JobError::Request(error) => error::refused(error),
+        JobError::TimedOut { job: Job::Reboot, .. } => error::no_answer(error),
+        error => error::start(error),
+    }
 }
 
 /// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why it

@@ -1,10 +1,10 @@
 //! The bench: the real drive and node around the plant, on a CAN bus, with a master's place on it.
 //!
 //! ```text
-//!  host frames <--> bus <--> Node --Event--> Drive --PwmCommand--> Plant
-//!                             ^                |  ^                   |
-//!                             +----Status------+  +------Samples------+
-//!           flash <--Request--  --Report--> Node
+//!  host frames <--> bus <--> Device --PwmCommand--> Plant
+//!                            |    ^                   |
+//!      flash <--Request------+    +------Samples------+
+//!            ---Report------->
 //! ```
 //!
 //! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]).
@@ -14,6 +14,7 @@
 mod host;
 mod node;
 mod scope_memory;
+mod seen;
 mod signals;
 #[cfg(feature = "tx-drivers")]
 mod tx_drivers;
@@ -36,15 +37,16 @@ use crate::trace::Trace;
 use crate::tx_driver::TxDrivers;
 use alloc::string::String;
 use alloc::vec::Vec;
+use narx_core::device::Device;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use narx_core::motor::machine::event::Health;
-use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
+use narx_core::motor::{PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
-use narx_core::scope::{Keeper, Scope};
-use narx_core::storage::{Opened, Report, Request};
+use narx_core::storage::{Report, Request};
 use scope_memory::ScopeMemory;
+use seen::Seen;
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
@@ -86,10 +88,7 @@ pub struct BenchConfig {
 #[derive(Clone, Debug)]
 pub struct Bench {
     plant: Plant,
-    drive: Drive,
-    node: BenchNode,
-    scope: Scope<ScopeMemory>,
-    keeper: Keeper<ScopeMemory>,
+    device: Device<ScopeMemory, BenchNode>,
     chip: Chip,
     /// While the flash is busy: time at which it has finished, ns, and its report then.
     report: Option<(u64, Report)>,
@@ -99,11 +98,11 @@ pub struct Bench {
     #[cfg(feature = "update")]
     programmable: bool,
     bus: Bus<PLACES, QUEUE>,
-    device: NodeIndex,
+    /// Places on the bus: the drive's, the host's, a listener's and another node's.
+    own: NodeIndex,
     host: NodeIndex,
     monitor: NodeIndex,
     other: NodeIndex,
-    event: Option<Event>,
     ticks_per_ms: u64,
     period_ns: u64,
     pole_pairs: f64,
@@ -138,16 +137,14 @@ impl Bench {
     fn with_chip(config: &BenchConfig, chip: Chip) -> Self {
         let board = config.plant.board;
         let mut bus = Bus::new(BITRATE);
-        let [device, host, monitor, other] = bus.attach_first();
+        let [own, host, monitor, other] = bus.attach_first();
         bus.set_attachment(monitor, Attachment::ListenOnly);
         bus.set_attachment(other, Attachment::Detached);
-        let node = BenchNode::new(Node::with_parameters(IDENTITY, board, config.parameters.clone()));
+        let parameters = &config.parameters;
+        let node = BenchNode::new(Node::with_parameters(IDENTITY, board, parameters.clone()));
         let mut bench = Self {
             plant: Plant::new(&config.plant),
-            drive: Drive::new(Coefficients::default()),
-            node,
-            scope: Scope::default(),
-            keeper: Keeper::default(),
+            device: Device::power_up(node, &board, parameters, ScopeMemory::new()),
             chip,
             report: None,
             #[cfg(feature = "update")]
@@ -155,11 +152,10 @@ impl Bench {
             #[cfg(feature = "update")]
             programmable: true,
             bus,
-            device,
+            own,
             host,
             monitor,
             other,
-            event: None,
             ticks_per_ms: u64::from(board.tick_rate / 1000).max(1),
             period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
@@ -180,32 +176,29 @@ impl Bench {
 
     /// Power-up or reboot of the drive: what is not stored is lost.
     fn boot(&mut self) {
-        let board = *self.node.board();
+        let board = *self.node().board();
         let Some((Report::Opened(opened), _)) = self.chip.execute(Request::Open) else { return };
         self.report = None;
         #[cfg(feature = "update")]
         self.slots.boot();
-        let Opened { parameters, .. } = opened.clone();
-        // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
-        self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = BenchNode::new(Node::with_parameters(IDENTITY, board, parameters));
+        let parameters = opened.parameters.clone();
+        let mut node = BenchNode::new(Node::with_parameters(IDENTITY, board, parameters.clone()));
         #[cfg(feature = "transcripts")]
         if self.transcribe {
-            self.node.begin_transcript(IDENTITY, &self.label);
+            node.begin_transcript(IDENTITY, &self.label);
         }
-        self.node.attach_storage(&opened);
+        node.attach_storage(&opened);
         #[cfg(feature = "update")]
         if self.programmable {
-            self.slots.attach(&mut self.node);
+            self.slots.attach(&mut node);
         }
-        (self.scope, self.keeper) = (Scope::default(), Keeper::new(ScopeMemory::new()));
-        self.event = self.node.poll_event();
+        self.device = Device::power_up(node, &board, &parameters, ScopeMemory::new());
         self.recorder = self.record.then(|| self.recorder()).flatten();
     }
 
     /// A recording that begins with the drive as it is now.
     fn recorder(&self) -> Option<Recorder<RecordingBuffer>> {
-        let board = self.node.board();
+        let board = self.node().board();
         let header = Header {
             kind: Kind::Drive,
             behaviour_version: BEHAVIOUR_VERSION,
@@ -214,7 +207,7 @@ impl Bench {
             label: &self.label,
         };
         let mut state = Vec::new();
-        self.drive.write_state(&mut |byte| {
+        self.device.drive().write_state(&mut |byte| {
             state.push(byte);
             true
         });
@@ -252,100 +245,75 @@ impl Bench {
     /// again](narx_core::recording::transcript); empty without [`Bench::with_transcript`].
     #[cfg(feature = "transcripts")]
     pub fn transcript(&self) -> Vec<u8> {
-        self.node.transcript()
+        self.device.node().transcript()
     }
 
     /// Tells the node what its shell would have found out about store and self-tests.
     pub fn set_health(&mut self, health: Health) {
-        self.node.handle_health(health);
+        self.device.node_mut().handle_health(health);
     }
 
     /// One control tick.
     pub fn step(&mut self) {
         let samples = self.plant.sample();
-        if let Some(event) = &self.event {
-            self.scope.handle_event(event);
-            self.drive.handle_event(event.clone());
-        }
-        let command = self.drive.step(&samples);
-        let status = self.drive.poll_status();
-        self.scope.step(&self.drive, &samples);
+        let command = match &mut self.recorder {
+            None => self.device.step(&samples, &mut ()),
+            Some(recorder) => {
+                let mut seen = Seen::default();
+                let command = self.device.step(&samples, &mut seen);
+                let Seen { event, status } = seen;
+                if recorder.record(event.as_ref(), &samples, &command, status.as_ref()).is_err() {
+                    self.recorder = None;
+                }
+                command
+            }
+        };
         self.plant.finish_period(&command);
-        if let Some(recorder) = &mut self.recorder
-            && recorder.record(self.event.as_ref(), &samples, &command, status.as_ref()).is_err()
-        {
-            self.recorder = None;
-        }
-        if let Some(status) = status {
-            self.node.handle_status(status);
-        }
-        self.background();
+        self.run_background();
         (self.command, self.hall) = (command, samples.hall);
         self.keep();
     }
 
-    /// Between the scope and the node.
-    fn serve_scope(&mut self) {
-        if let Some(answer) = self.scope.poll() {
-            self.keeper.take(answer);
-        }
-        if self.node.takes_scope_report()
-            && let Some(report) = self.keeper.poll_report()
-        {
-            self.node.handle_scope(report);
-        }
-        if let Some(request) = self.node.poll_scope() {
-            self.keeper.handle(request);
-        }
-        if let Some(order) = self.keeper.poll_order() {
-            self.scope.handle(order);
-        }
-    }
-
     /// Does the work of the firmware's background loop, once a tick.
-    fn background(&mut self) {
+    fn run_background(&mut self) {
         let now = self.plant.tick();
         let now_ns = self.now_ns();
         #[cfg(feature = "tx-drivers")]
         self.run_tx_drivers(now_ns);
         self.bus.advance(now_ns);
-        let state = self.bus.state(self.device);
+        let state = self.bus.state(self.own);
         if state.is_off() {
-            self.bus.discard(self.device);
+            self.bus.discard(self.own);
         }
-        self.node.handle_bus_state(state);
-        while let Some(received) = self.bus.receive(self.device) {
-            self.node.handle_frame(&received.frame);
+        self.device.node_mut().handle_bus_state(state);
+        while let Some(received) = self.bus.receive(self.own) {
+            self.device.node_mut().handle_frame(&received.frame);
         }
         if now.is_multiple_of(INPUTS_MS * self.ticks_per_ms) {
             let inputs = self.plant.slow_inputs();
-            self.node.handle_inputs(inputs);
+            self.device.node_mut().handle_inputs(inputs);
         }
-        self.serve_scope();
-        self.node.poll(now);
+        self.device.run(now);
+        let node = self.device.node_mut();
         // The controller takes what fits; the rest waits in the node.
-        while self.bus.queued(self.device) < MAILBOXES
-            && let Some(frame) = self.node.poll_frame()
+        while self.bus.queued(self.own) < MAILBOXES
+            && let Some(frame) = node.poll_frame()
         {
             // Room was just seen.
-            let _ = self.bus.send(self.device, frame, now_ns);
+            let _ = self.bus.send(self.own, frame, now_ns);
         }
-        while self.bus.queued(self.device) < BULK
-            && let Some(frame) = self.node.poll_bulk_frame()
+        while self.bus.queued(self.own) < BULK
+            && let Some(frame) = node.poll_bulk_frame()
         {
             // Room was just seen.
-            let _ = self.bus.send(self.device, frame, now_ns);
+            let _ = self.bus.send(self.own, frame, now_ns);
         }
         self.serve_flash(now_ns);
+        let node = self.device.node_mut();
         #[cfg(feature = "update")]
-        self.slots.serve(&mut self.node, now_ns);
-        self.plant.set_outputs(self.node.outputs());
-        // Most often there is none, and an event is large.
-        match self.node.poll_event() {
-            None => self.event = None,
-            event => self.event = event,
-        }
-        if let Some(Action::Reboot) = self.node.poll_action() {
+        self.slots.serve(node, now_ns);
+        self.plant.set_outputs(node.outputs());
+        if let Some(Action::Reboot) = node.poll_action() {
             self.boot();
         }
     }
@@ -356,10 +324,10 @@ impl Bench {
         if self.report.as_ref().is_some_and(|(due, _)| *due <= now_ns)
             && let Some((_, report)) = self.report.take()
         {
-            self.node.handle_storage(report);
+            self.device.node_mut().handle_storage(report);
         }
         if self.report.is_none()
-            && let Some(request) = self.node.poll_storage()
+            && let Some(request) = self.device.node_mut().poll_storage()
         {
             self.report = self.chip.execute(request).map(|(report, busy)| (now_ns + busy, report));
         }
@@ -410,12 +378,12 @@ impl Bench {
 
     /// The device.
     pub fn node(&self) -> &Node {
-        &self.node
+        self.device.node()
     }
 
     /// The last report of the control tick.
     pub fn status(&self) -> &Status {
-        self.node.status()
+        self.node().status()
     }
 
     /// Returns the command that the drive gave in the last tick.

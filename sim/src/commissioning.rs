@@ -124,7 +124,7 @@ impl fmt::Display for Note {
         match *self {
             Self::DutyForRipple { duty, ripple } => write!(
                 f,
-                "duty is limited to {} %: the current ripple of {} A there leaves no more below the 12 A peak",
+                "duty is limited to {} %: the current ripple there, {} A, allows no larger duty below the 12 A peak",
                 tenths(duty * 100.0),
                 tenths(ripple)
             ),
@@ -142,14 +142,14 @@ impl fmt::Display for Note {
             Self::SpeedForSampling { speed } => {
                 write!(
                     f,
-                    "sensorless speed is limited to {} rpm: faster, a sector has less than four samples of back-EMF",
+                    "sensorless speed is limited to {} rpm: above that, a sector has fewer than four samples of back-EMF",
                     whole(speed)
                 )
             }
             Self::SpeedForTick { speed } => {
                 write!(
                     f,
-                    "speed is limited to {} rpm: faster, a sector has less than two control ticks",
+                    "speed is limited to {} rpm: above that, a sector has fewer than two control ticks",
                     whole(speed)
                 )
             }

@@ -176,7 +176,7 @@ impl fmt::Display for Misfit<'_> {
         let Scale { unit, exponent, min, max, .. } = *scale;
         let limit = |digits| Decimal { digits, exponent };
         let space = if unit.is_empty() { "" } else { " " };
-        let problem = if scale.raw(*value).is_ok() { "no whole number from" } else { "outside" };
+        let problem = if scale.raw(*value).is_ok() { "not a whole number from" } else { "outside" };
         write!(
             f,
             "{scale}: {}{space}{unit} is {problem} {} to {}{space}{unit}",

@@ -14,6 +14,8 @@ pub mod can;
 #[cfg(feature = "alloc")]
 mod chip;
 pub mod commissioning;
+#[cfg(feature = "alloc")]
+pub mod commutations;
 pub mod engineering;
 #[cfg(feature = "alloc")]
 pub mod experiment;

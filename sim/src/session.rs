@@ -8,9 +8,9 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use narx_core::bus::Frame;
-use narx_core::master::{Config, Master};
 #[cfg(feature = "update")]
-use narx_core::master::{Image, NotTaken};
+use narx_core::master::Image;
+use narx_core::master::{Config, Job, Master, NotTaken};
 use narx_core::motor::State;
 
 /// Configuration of a session: the bench, and the set-up of the drive.
@@ -188,6 +188,23 @@ impl Session {
     /// periods.
     pub const fn start(&mut self, rpm: i32) {
         self.start = Some(rpm);
+    }
+
+    /// Begins a job of the master. A start is that of [`Session::start`].
+    ///
+    /// # Errors
+    /// None: the master is not silent.
+    pub fn begin(&mut self, job: Job) -> Result<(), NotTaken> {
+        match job {
+            Job::Start { rpm } => {
+                self.start(rpm);
+                self.master.begin(Job::AwaitStart { rpm })
+            }
+            job => {
+                self.start = None;
+                self.master.begin(job)
+            }
+        }
     }
 
     /// Asks for another speed in the direction of [`Session::start`], rpm.

@@ -118,6 +118,39 @@ static narx_drive_report_t run(unsigned milliseconds)
     return report;
 }
 
+/* Runs until the master's job has ended; returns its result. */
+static narx_status_t finish_job(narx_job_failure_t *failure)
+{
+    narx_status_t end = NARX_NOTHING;
+
+    while (end == NARX_NOTHING) {
+        (void)run(1);
+        end = narx_master_poll_job(&master, failure);
+    }
+    return end;
+}
+
+/* A start that the master carries out by itself, and one that another command ends. */
+static void start_by_job(uint8_t running)
+{
+    narx_job_failure_t failure;
+    narx_drive_report_t report;
+
+    CHECK(narx_master_poll_job(&master, NULL) == NARX_NOTHING);
+    CHECK(narx_master_begin(&master, NARX_JOB_KIND_START, RPM) == NARX_OK);
+    CHECK(finish_job(&failure) == NARX_OK);
+    CHECK(narx_master_report(&master, ticks * 100u, &report) == NARX_OK && report.state == running);
+    CHECK(narx_master_begin(&master, NARX_JOB_KIND_REBOOT, 0) == NARX_OK);
+    CHECK(finish_job(&failure) == NARX_ERROR_NO_ANSWER && failure.state == 255);
+    CHECK(narx_master_stop(&master) == NARX_OK);
+    CHECK(run(300).state == NARX_STATE_STANDBY);
+    CHECK(narx_master_begin(&master, NARX_JOB_KIND_START, -RPM) == NARX_OK);
+    (void)run(20);
+    CHECK(narx_master_stop(&master) == NARX_OK);
+    CHECK(narx_master_poll_job(&master, NULL) == NARX_ERROR_ABORTED);
+    CHECK(narx_master_begin(&master, 3, 0) == NARX_ERROR_REQUEST);
+}
+
 int main(int argc, char **argv)
 {
     const int sensorless = argc > 1 && strcmp(argv[1], "--sensorless") == 0;
@@ -143,5 +176,6 @@ int main(int argc, char **argv)
            report.state == running ? "running" : "not running", report.speed);
     CHECK(narx_master_stop(&master) == NARX_OK);
     CHECK(run(300).state == NARX_STATE_STANDBY);
+    start_by_job(running);
     return report_checks();
 }

@@ -4,7 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the workspace that hold Rust code.
-const ROOMS: [&str; 8] = ["core", "sim", "ffi", "python", "wasm", "firmware", "xtask", "tests"];
+const ROOMS: [&str; 12] = [
+    "core", "sim", "lab", "ffi", "python", "wasm", "firmware", "terminal", "generate", "report", "xtask",
+    "tests",
+];
 /// Largest width of a line that is a comment: that of the code (`rustfmt.toml`).
 const WIDTH: usize = 110;
 /// First words that begin a riddle. A doc comment begins with a noun phrase or a third-person verb.

@@ -4,9 +4,9 @@ use crate::bench::{Bench, frame, node};
 use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{CobId, Layout, PdoKind, SdoAction, SdoOutcome};
 use narx_core::eddycan::OBJECTS;
+use narx_generate::{eds, settle};
 use std::collections::BTreeMap;
 use std::path::Path;
-use xtask::eds;
 
 type Sections = BTreeMap<String, BTreeMap<String, String>>;
 
@@ -38,7 +38,7 @@ fn files() -> impl Iterator<Item = (Layout, Sections)> {
 #[test]
 fn committed_files_are_up_to_date() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    eds::regenerate(root, true).unwrap();
+    settle(root, eds::make, true).unwrap();
 }
 
 /// Every list names existing sections, and every entry is in a list.

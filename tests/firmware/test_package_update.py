@@ -84,9 +84,9 @@ def test_the_drive_says_the_version_of_the_image_that_runs(drive):
     ("place", "data", "error", "message"),
     [
         (12, b"\x4e\x58\0\0", narx.ImageError, "for hardware 4E580000h, the drive is 4E580001h"),
-        (16, b"\1\0", narx.ImageError, r"version 1\.0\.0\+2, older than the 1\.1\.0\+1 that runs"),
+        (16, b"\1\0", narx.ImageError, r"version 1\.0\.0\+2, older than the running version 1\.1\.0\+1"),
         (0, b"x", narx.ImageError, "not an image"),
-        (448, bytes(64), narx.RefusedError, "the signature is not one that the board's bootloader believes"),
+        (448, bytes(64), narx.RefusedError, "the board's bootloader does not accept the signature"),
     ],
 )
 def test_what_the_board_must_not_run_is_refused(drive, tmp_path, place, data, error, message):
@@ -143,7 +143,7 @@ def test_the_command_tells_why_an_image_is_refused(flash, tmp_path):
         path = written(tmp_path, idle(448, bytes(64)))
         done = narx_command(emulator, "update", str(path))
     last = done.stderr.strip().splitlines()[-1]
-    assert (done.returncode, last) == (2, "narx: the signature is not one that the board's bootloader believes")
+    assert (done.returncode, last) == (2, "narx: the board's bootloader does not accept the signature")
 
 
 @pytest.mark.skipif(not LONG, reason="takes minutes: NARX_LONG=1")

@@ -1,4 +1,4 @@
-"""`cargo xtask drive` as a process, and helpers for its clients. NARX_XTASK names the program."""
+"""`cargo xtask drive` as a process, and helpers for its clients. NARX_TERMINAL names the program."""
 
 import os
 import signal
@@ -8,7 +8,7 @@ from pathlib import Path
 import can
 import cantools
 
-XTASK = os.environ["NARX_XTASK"]
+TERMINAL = os.environ["NARX_TERMINAL"]
 ROOT = Path(__file__).parents[2]
 DATABASE = cantools.database.load_file(ROOT / "docs" / "narx.dbc", strict=True)
 
@@ -20,7 +20,7 @@ class Drive:
     """The process, and the addresses of its TCP port and its pseudo-terminal."""
 
     def __init__(self, *arguments):
-        command = [XTASK, "drive", "--mode", "hall", "--tcp", "127.0.0.1:0", *arguments]
+        command = [TERMINAL, "drive", "--mode", "hall", "--tcp", "127.0.0.1:0", *arguments]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
         self.channels = {}
         for line in self.process.stdout:

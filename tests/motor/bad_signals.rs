@@ -6,11 +6,11 @@ use crate::robustness::{End, RESTART, Table, config, end, load, running, started
 use End::Fault;
 use narx_core::dictionary::number;
 use narx_core::motor::{Leg, PwmCommand, Samples, State};
+use narx_host::parallel::map;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{ComparatorConfig, PlantConfig};
 use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
-use xtask::bench::map;
 
 /// Converter noise of twice the 0.7 codes that the front end may have does not matter with any seed, from the
 /// start, idle and loaded. At three times that, two starts in five need another try (16 of 40 seeds); with

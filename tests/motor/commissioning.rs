@@ -7,6 +7,7 @@ use crate::commanded::commanded_tick;
 use narx_core::dictionary::number;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
+use narx_host::parallel::map;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{
     Commissioning, CommissioningError, Mode, Nameplate, SpeedLimit, TORQUE_POINTS, TorqueLimit,
@@ -17,7 +18,6 @@ use narx_sim::presets::{PRESETS, preset};
 use narx_sim::random::Random;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use xtask::bench::map;
 
 const RPM: f64 = 60.0 / TAU;
 const MODES: [Mode; 2] = [Mode::Hall, Mode::Sensorless];

@@ -3,9 +3,9 @@
 use narx_core::dictionary::number;
 use narx_core::motor::Step;
 use narx_sim::commissioning::Mode;
+use narx_sim::commutations::Commutations;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
-use xtask::commutations::Commutations;
 
 const MOTOR: &str = "bly172s-24v";
 

@@ -4,11 +4,11 @@
 use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
 use narx_core::recording::{Recording, Replayable, replay_with};
+use narx_host::parallel::map;
+use narx_lab::vectors::{directory, scenarios};
+use narx_lab::worlds::windows;
 use serde::Deserialize;
 use std::path::Path;
-use xtask::bench::map;
-use xtask::vectors::{directory, scenarios};
-use xtask::worlds::windows;
 
 /// A drive, beside one that runs every station in every tick.
 #[derive(Deserialize)]

@@ -3,11 +3,11 @@
 use crate::commanded::commanded_tick;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
+use narx_host::parallel::map;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
-use xtask::bench::map;
 
 /// Largest peak, A: 12 A (Table 1) and 5 %, for a motor as in its data sheet.
 const PEAK: f64 = 12.6;

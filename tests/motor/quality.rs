@@ -1,10 +1,10 @@
 //! Small tests of control quality and the start-up certificate: one motor of the market, three random ones, a
 //! few cells of the grids.
 
+use narx_lab::certificate::{self, Certificate};
+use narx_lab::quality::{self, Quality};
 use narx_sim::presets::{PRESETS, Preset};
 use std::path::Path;
-use xtask::certificate::{self, Certificate};
-use xtask::quality::{self, Quality};
 
 fn committed(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evidence").join(name)

@@ -4,8 +4,8 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::motor::{Cause, Request, State, Step};
+use narx_host::parallel::map;
 use narx_sim::plant::{BackEmf, Injection, LoadConfig, MotorConfig, Phase, PlantConfig, SupplyConfig};
-use xtask::bench::map;
 
 /// Largest peak of any phase current while the drive holds, A: 12 A (Table 1) and 10 %.
 pub(crate) const PEAK: f64 = 13.2;
@@ -361,11 +361,11 @@ fn windings_from_25_to_190_degrees() {
 #[test]
 fn sensorless_scenarios_end_as_they_say() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let all = xtask::vectors::scenarios(&root).unwrap();
+    let all = narx_lab::vectors::scenarios(&root).unwrap();
     let sensorless: Vec<_> = all.iter().filter(|scenario| scenario.name.starts_with("sensorless")).collect();
     assert!(sensorless.len() >= 9);
     let wrong: Vec<String> = map(&sensorless, |scenario| {
-        let run = xtask::vectors::run(scenario);
+        let run = narx_lab::vectors::run(scenario);
         let misses = scenario.expect.misses(&run.seen, Some(run.speed));
         println!("  {:<36} {:?} {:04x?}", scenario.name, run.seen.states, run.seen.codes);
         misses.iter().map(|miss| format!("{}: {miss}", scenario.name)).collect::<Vec<_>>()

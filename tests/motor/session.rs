@@ -94,7 +94,7 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
         "{text}"
     );
     let text = with(number::MOTOR_POLE_PAIRS, 2.5).unwrap_err().to_string();
-    assert_eq!(text, "parameter 78 \"Motor pair poles\": 2.5 is no whole number from 1 to 50");
+    assert_eq!(text, "parameter 78 \"Motor pair poles\": 2.5 is not a whole number from 1 to 50");
     assert_eq!(with(999, 1.0).unwrap_err().to_string(), "there is no parameter 999");
 }
 

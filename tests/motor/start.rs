@@ -3,11 +3,11 @@
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
 use narx_core::motor::{Request, State};
+use narx_lab::promises::{Point, Start, map};
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
-use xtask::bench::{Point, Start, map};
 
 /// Cases that do not start yet, each with its fault: 45 overspeed after hand-over (0x1b03; inertia x0.23),
 /// 119 over-voltage at 56.5 V (0x0201). No case may be added here: the promise is 99.9 % of all, which `cargo

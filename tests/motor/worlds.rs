@@ -1,9 +1,9 @@
 //! Tests of worlds with many faults at once: a few here, hours of them by `cargo xtask worlds`.
 
 use narx_core::motor::State;
+use narx_host::parallel::map;
+use narx_lab::worlds::{Broken, KINDS, NEVER, Never, Story, Total, run};
 use narx_sim::plant::{Injection, InjectionOptions, Phase};
-use xtask::bench::map;
-use xtask::worlds::{Broken, KINDS, NEVER, Never, Story, Total, run};
 
 #[test]
 fn nothing_happens_that_may_not_and_afterwards_the_motor_turns() {

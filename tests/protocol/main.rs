@@ -20,6 +20,7 @@ mod inputs;
 mod master;
 mod master_bench;
 mod master_downloads;
+mod master_jobs;
 mod master_limits;
 mod master_link;
 mod master_log;

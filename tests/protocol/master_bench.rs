@@ -12,15 +12,15 @@ use narx_sim::plant::{Injection, Phase, PlantConfig};
 use narx_sim::presets::preset;
 
 /// A commissioned drive and its master on one bus.
-struct Rig {
-    bench: Bench,
-    master: Master,
+pub(crate) struct Rig {
+    pub(crate) bench: Bench,
+    pub(crate) master: Master,
     /// True while the master's frames reach the drive.
-    alive: bool,
+    pub(crate) alive: bool,
 }
 
 impl Rig {
-    fn new(mode: Mode, config: Config) -> Self {
+    pub(crate) fn new(mode: Mode, config: Config) -> Self {
         let preset = preset("ec45-flat-50w-18v").unwrap();
         let plate = Nameplate {
             motor: preset.motor,
@@ -37,7 +37,7 @@ impl Rig {
         Self { bench: bench.without_recording(), master: Master::new(config), alive: true }
     }
 
-    fn step(&mut self) {
+    pub(crate) fn step(&mut self) {
         let now = self.bench.now_ns() / 1000;
         while self.alive
             && let Some(frame) = self.master.poll_frame(now)
@@ -51,12 +51,12 @@ impl Rig {
         while self.bench.overhear().is_some() {}
     }
 
-    fn run(&mut self, seconds: f64) {
+    pub(crate) fn run(&mut self, seconds: f64) {
         (0..(seconds * 10_000.0) as u64).for_each(|_| self.step());
     }
 
     /// Waits until the master sees a state; returns the time, s.
-    fn until(&mut self, state: State) -> f64 {
+    pub(crate) fn until(&mut self, state: State) -> f64 {
         let begin = self.bench.time();
         for _ in 0..50_000 {
             if self.master.state() == Some(state) {
@@ -67,7 +67,7 @@ impl Rig {
         panic!("{state:?} is not reached but {:?}", self.master.state());
     }
 
-    fn ask(&mut self, request: Request) -> Answer {
+    pub(crate) fn ask(&mut self, request: Request) -> Answer {
         self.master.request(request).unwrap();
         for _ in 0..50_000 {
             if let Some(answer) = self.master.poll_answer() {
@@ -88,7 +88,7 @@ impl Rig {
         value.digits as f64 * 10_f64.powi(value.exponent.into())
     }
 
-    fn speed(&self) -> f64 {
+    pub(crate) fn speed(&self) -> f64 {
         self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU
     }
 }

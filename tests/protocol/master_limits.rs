@@ -111,7 +111,11 @@ fn the_refusal_names_value_parameter_and_range() {
             0,
             "speed 0 rpm is below parameter 104 \"Speed setpoint min saturation HES\": must be 300 to 4100 rpm",
         ),
-        ([1, 0, 0], 800, "speed 800 rpm is not parameter 88 \"Open-loop speed setpoint\": must be 500 rpm"),
+        (
+            [1, 0, 0],
+            800,
+            "speed 800 rpm is not equal to parameter 88 \"Open-loop speed setpoint\": must be 500 rpm",
+        ),
         ([0, 0, 0], 65_536, "speed 65536 rpm: must be 0 to 65535 rpm"),
     ];
     for (enabled, rpm, expected) in cases {

@@ -68,7 +68,7 @@ fn refusals_carry_their_reason() {
             Request::Write { number: number::DRIVE_STATE, raw: 1 },
             ReadOnly,
             Some(1),
-            "parameter 261 \"Drive state\": the drive alone writes it",
+            "parameter 261 \"Drive state\": only the drive writes it",
         ),
         (
             State::Standby,

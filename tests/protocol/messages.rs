@@ -1,8 +1,8 @@
 //! Tests of the table of messages and fields against the decoders, which were written without it.
 
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, Message, NAMES, Words};
+use narx_generate::decoded;
 use narx_sim::random::Random;
-use xtask::decoded;
 
 #[test]
 fn fields_are_where_the_decoders_read_them() {

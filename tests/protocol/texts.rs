@@ -25,7 +25,7 @@ fn an_answer_to_a_parameter_is_told_in_words() {
     for (status, text) in [
         (ParameterStatus::Done, "done"),
         (ParameterStatus::UnknownNumber, "there is no such parameter"),
-        (ParameterStatus::ReadOnly, "the drive alone writes it"),
+        (ParameterStatus::ReadOnly, "only the drive writes it"),
         (ParameterStatus::OutOfRange, "out of range"),
         (ParameterStatus::WrongState, "not in this state of the drive"),
         (ParameterStatus::Storage, "the parameter store or log memory is missing, busy or failed"),
@@ -45,16 +45,16 @@ fn an_update_is_told_in_words() {
         (C::NotNow, "not in this state of the update"),
         (C::Trial, "the running image has not been confirmed"),
         (C::Hardware, "the image is for other hardware"),
-        (C::Length, "the image has not the length that was said, or the slot is shorter"),
+        (C::Length, "the image does not have the announced length, or exceeds the slot"),
         (C::Sequence, "a part of the image is missing"),
         (C::Flash, "the flash failed"),
-        (C::Checksum, "what the drive has written is not what was sent"),
-        (C::NoImage, "what was sent is no image"),
+        (C::Checksum, "the data written differ from the data sent"),
+        (C::NoImage, "the data sent are not an image"),
         (C::Older, "the image is older than the running one"),
-        (C::TimedOut, "nothing came for ten seconds"),
+        (C::TimedOut, "no data arrived for ten seconds"),
         (C::Aborted, "the update was aborted"),
-        (C::Signature, "the signature is not one that the board's bootloader believes"),
-        (C::Reverted, "the image was not confirmed, and the one before it runs again"),
+        (C::Signature, "the board's bootloader does not accept the signature"),
+        (C::Reverted, "the image was not confirmed, and the previous one runs again"),
     ];
     for (code, text) in codes {
         assert_eq!(code.to_string(), text);

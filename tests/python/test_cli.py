@@ -129,9 +129,9 @@ def test_a_log_is_summed_up_and_its_errors_are_told(tmp_path: Path) -> None:
 REFUSED = [
     (["params", "get", "motor pair pole"], 'narx: there is no parameter "motor pair pole"; did you mean'),
     (["params", "set", "78", "99"], 'narx: parameter 78 "Motor pair poles": 99 is outside 1 to 50'),
-    (["params", "set", "78", "2.5"], 'narx: parameter 78 "Motor pair poles": 2.5 is no whole number from 1 to 50'),
+    (["params", "set", "78", "2.5"], 'narx: parameter 78 "Motor pair poles": 2.5 is not a whole number from 1 to 50'),
     (["params", "set", "78", "nan"], 'narx: parameter 78 "Motor pair poles": NaN is outside 1 to 50'),
-    (["params", "set", "78", "٨"], "narx: parameter 78 \"Motor pair poles\": '٨' is no whole number from 1 to 50"),
+    (["params", "set", "78", "٨"], "narx: parameter 78 \"Motor pair poles\": '٨' is not a whole number from 1 to 50"),
     (["params", "set", "٧٨", "8"], 'narx: there is no parameter "٧٨"'),
     (["scope", "Duti"], 'narx: there is no scope signal "Duti"; did you mean "Duty"'),
     (["scope", "Duty", "--trigger", "sometimes"], "must be now, fault, state"),

@@ -137,5 +137,5 @@ def test_a_log_has_a_table_of_each_node(tmp_path: Path) -> None:
     assert log["Heartbeat"].series("State").text() == ["operational"]
     told = [message for _, message in log.messages()]
     assert told == [narx.decode(frame) for frame in frames[:6]]
-    with pytest.raises(narx.SignalError, match="MEASUREMENT_1 is no message of a node"):
+    with pytest.raises(narx.SignalError, match="MEASUREMENT_1 is not a message of a node"):
         log["MEASUREMENT_1", 2]

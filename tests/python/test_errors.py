@@ -45,10 +45,10 @@ REFUSALS: list[tuple[Callable[[], object], str]] = [
     (lambda: bench(parameters={999: 1}), "there is no parameter 999"),
     (lambda: bench(parameters={-1: 1}), "there is no parameter -1"),
     (lambda: bench(parameters={78: 51}), 'parameter 78 "Motor pair poles": 51 is outside 1 to 50'),
-    (lambda: bench(parameters={78: "two"}), "parameter 78 \"Motor pair poles\": 'two' is no whole number from 1 to 50"),
-    (lambda: bench(parameters={78: 2.5}), 'parameter 78 "Motor pair poles": 2.5 is no whole number from 1 to 50'),
-    (lambda: bench(parameters={78: True}), 'parameter 78 "Motor pair poles": True is no whole number from 1 to 50'),
-    (lambda: bench(parameters={266: "24"}), "parameter 266 \"Nominal supply voltage\": '24' is no number from "),
+    (lambda: bench(parameters={78: "two"}), "parameter 78 \"Motor pair poles\": 'two' is not a whole number from 1 to 50"),
+    (lambda: bench(parameters={78: 2.5}), 'parameter 78 "Motor pair poles": 2.5 is not a whole number from 1 to 50'),
+    (lambda: bench(parameters={78: True}), 'parameter 78 "Motor pair poles": True is not a whole number from 1 to 50'),
+    (lambda: bench(parameters={266: "24"}), "parameter 266 \"Nominal supply voltage\": '24' is not a number from "),
     (lambda: bench().run(-1.0), "seconds -1 s: must be a finite number, 0 or more"),
     (lambda: bench().run(float("nan")), "seconds NaN s: must be a finite number, 0 or more"),
     (lambda: bench().drive.start(70_000), "rpm 70000: must be a whole number from -65535 to 65535"),
@@ -76,7 +76,7 @@ def test_refusal(call: Callable[[], object], message: str) -> None:
 
 def test_open_loop_turns_at_its_own_speed() -> None:
     fixed = bench(mode="open-loop", parameters={"Open-loop speed setpoint": 250})
-    with pytest.warns(narx.SpeedWarning, match='speed 300 rpm is not parameter 88 "Open-loop speed setpoint": must be 250 rpm'):
+    with pytest.warns(narx.SpeedWarning, match='speed 300 rpm is not equal to parameter 88 "Open-loop speed setpoint": must be 250 rpm'):
         fixed.drive.start(300)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

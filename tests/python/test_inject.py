@@ -92,7 +92,7 @@ def test_halls_are_calibrated_where_they_stand(motor: narx.Motor) -> None:
     drive.stop()
     drive.wait(1.0)
     bench.inject("hall-supply-lost")
-    with pytest.raises(narx.StartError, match="the hall calibration found nothing: the drive is in Standby"):
+    with pytest.raises(narx.StartError, match="the hall calibration failed: the drive is in Standby"):
         drive.calibrate_hall(run=True)
     bench.inject("break")
     drive.wait(0.1)

@@ -47,12 +47,12 @@ def test_a_bench_is_programmed(bench: narx.Bench, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"", "0 bytes of an image of 512"),
+        (b"", "the file has 0 bytes; the image needs 512"),
         (b"\x7fELF" + bytes(2000), "not an image: it does not begin with NARXIMG"),
-        (image((0, 3, 0, 0), BODY)[:-8], "1528 bytes of an image of 1536"),
-        (image((0, 3, 0, 0), BODY) + b"x", "1537 bytes of an image of 1536"),
+        (image((0, 3, 0, 0), BODY)[:-8], "the file has 1528 bytes; the image needs 1536"),
+        (image((0, 3, 0, 0), BODY) + b"x", "the file has 1537 bytes; the image needs 1536"),
         (image((0, 3, 0, 0), BODY, hardware=BENCH + 2), "for hardware 4E580002h, the drive is 4E580000h"),
-        (image((0, 0, 9, 9), BODY), "version 0.0.9+9, older than the 0.1.0+1 that runs"),
+        (image((0, 0, 9, 9), BODY), "version 0.0.9+9, older than the running version 0.1.0+1"),
         (image((0, 3, 0, 0), bytes(50 << 10)), "51712 bytes, the drive has room for 51200"),
     ],
 )
@@ -67,7 +67,7 @@ def test_a_file_that_is_no_image_for_this_drive(
 
 def test_a_signature_of_somebody_else_is_refused_by_the_bootloader(bench: narx.Bench, tmp_path: Path) -> None:
     bench.run(0.7)
-    with pytest.raises(narx.RefusedError, match="the signature is not one that the board's bootloader believes"):
+    with pytest.raises(narx.RefusedError, match="the board's bootloader does not accept the signature"):
         bench.drive.update(write(tmp_path, image((0, 3, 0, 0), BODY, secret=bytes(32))))
     assert SECRET != bytes(32) and bench.drive.info.software == "0.1"
 
@@ -104,4 +104,4 @@ def test_the_command_programs_a_virtual_drive(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["software"] == "1.0"
     wrong = run("update", str(write(tmp_path, b"nothing")))
-    assert wrong.returncode == 2 and wrong.stderr.strip().endswith("narx: 7 bytes of an image of 512")
+    assert wrong.returncode == 2 and wrong.stderr.strip().endswith("narx: the file has 7 bytes; the image needs 512")

@@ -5,9 +5,9 @@ use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
 use narx_core::recording::{Recording, Replayable, replay, replay_until};
 use narx_core::units::Duty;
+use narx_lab::conformance::{Answer, Covered, Native, Random, Replay, Set, compare, locate};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use xtask::parity::{Answer, Covered, Native, Random, Replay, Set, compare, locate};
 
 /// The drive on a target with one wrong bit in one output from its tick 3000 on.
 #[derive(Deserialize)]
@@ -69,7 +69,7 @@ impl Replay for Broken {
 
 fn vectors() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    xtask::vectors::recordings(root).unwrap()
+    narx_lab::vectors::recordings(root).unwrap()
 }
 
 fn faulty<const STATUS: bool>() -> Faulty<STATUS> {

@@ -24,7 +24,7 @@ fn root() -> &'static Path {
 }
 
 fn files() -> Vec<PathBuf> {
-    let files = xtask::vectors::transcripts(root()).unwrap();
+    let files = narx_lab::vectors::transcripts(root()).unwrap();
     assert!(files.len() >= 10, "{files:?}");
     files
 }

@@ -4,9 +4,9 @@
 use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
 use narx_core::recording::{BEHAVIOUR_VERSION, LAYOUT_VERSION, Recording, Replayable, replay_with};
+use narx_lab::vectors::{Scenario, Seen, directory, scenarios};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use xtask::vectors::{Scenario, Seen, directory, scenarios};
 
 /// The drive with its reports recorded.
 #[derive(Deserialize)]

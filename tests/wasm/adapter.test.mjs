@@ -77,7 +77,7 @@ test("an adapter that is unplugged while the motor turns is told, and connects a
     await go(page, "main");
     await start(page, 1500);
     await adapter.unplug();
-    await page.getByRole("alert").getByText(/The adapter is gone: was it unplugged\?/).waitFor();
+    await page.getByRole("alert").getByText(/The connection to the adapter was lost: was it unplugged\?/).waitFor();
     await page.locator(".bar").getByText("Not connected").waitFor();
     adapter.end();
     // Nobody commands it any more: it has stopped by itself, and does not turn again before it is asked to.
@@ -116,8 +116,8 @@ test("no adapter, and a bus on which nobody answers, are told in words", async (
     await page.locator("#slave").fill("99");
     const adapter = await plug(page);
     await page.locator("#adapter").click();
-    await page.locator(".bar").getByText("The drive is not heard").waitFor();
-    await page.getByText(/Nothing is heard of a drive with address 99/).waitFor();
+    await page.locator(".bar").getByText("No frames from the drive").waitFor();
+    await page.getByText(/No frames were received from a drive with address 99/).waitFor();
 });
 
 test("the log is set up, filled, downloaded in part and erased", async () => {
@@ -125,14 +125,14 @@ test("the log is set up, filled, downloaded in part and erased", async () => {
     await go(page, "logging");
     await page.locator("#add-slot").click();
     await page.getByLabel("Value of slot 1").fill("HV Voltage");
-    await page.getByLabel("What is kept of slot 1").selectOption("mean");
+    await page.getByLabel("Statistic of slot 1").selectOption("mean");
     await page.locator("#log-period").fill("0.05");
     await page.locator("#configure-log").click();
-    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#log-told").getByText("The drive now logs these values").waitFor();
     await logged(page, 5);
     assert.equal(await page.getByLabel("Value of slot 1").inputValue(), "HV Voltage");
-    await page.getByLabel("From record").fill("2");
-    await page.getByLabel("How many").fill("4");
+    await page.getByLabel("First record").fill("2");
+    await page.getByLabel("Number of records").fill("4");
     await page.locator("#download-log").click();
     await page.locator("#log-told").getByText("4 records.").waitFor();
     const { bytes } = await saved(page, () => page.locator(".save-csv").click());
@@ -141,13 +141,13 @@ test("the log is set up, filled, downloaded in part and erased", async () => {
     assert.equal(rows.length, 4);
     assert.ok(rows.every((row) => Math.abs(row.at(-1) - 24) < 0.5));
 
-    await page.getByLabel("How many").fill("100000");
+    await page.getByLabel("Number of records").fill("100000");
     await page.locator("#download-log").click();
-    await page.locator("#log-told").getByText(/Records 2 to 100002: the log has \d+\./).waitFor();
+    await page.locator("#log-told").getByText(/Records 2 to 100002: the log has \d+ records\./).waitFor();
 
     await page.locator("#log-period").fill("3600");
     await page.locator("#configure-log").click();
-    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#log-told").getByText("The drive now logs these values").waitFor();
     await page.locator("#erase-log").click();
     await page.getByRole("dialog").getByRole("button", { name: "Erase log" }).click();
     await page.locator("#log-told").getByText("The log is empty.").waitFor();
@@ -172,7 +172,7 @@ test("a drive behind the adapter is programmed: progress, abort, the whole of it
         await page.getByRole("dialog").getByRole("button", { name: "Program" }).click();
     };
     await program();
-    await page.locator("#update-stage").getByText("Sends the image.").waitFor();
+    await page.locator("#update-stage").getByText("Sending the image.").waitFor();
     // It goes on whichever panel is looked at.
     await go(page, "main");
     await go(page, "update");
@@ -180,12 +180,12 @@ test("a drive behind the adapter is programmed: progress, abort, the whole of it
     await page.waitForFunction(() => document.querySelector("progress")?.value > 1000);
     assert.equal(await bar.getAttribute("max"), String(LONG.length));
     await page.locator("#abort-update").click();
-    await page.locator("#update-told").getByText("The update was aborted. The drive runs what it ran before.").waitFor();
+    await page.locator("#update-told").getByText("The update was aborted. The drive runs its previous firmware.").waitFor();
 
     await choose(IMAGE);
     await page.locator("#image-info").getByText("1536 bytes").waitFor();
     await program();
-    await page.locator("#update-told").getByText("The drive runs version 0.3.1+99 now and keeps it.").waitFor({ timeout: 60_000 });
+    await page.locator("#update-told").getByText("The drive now runs version 0.3.1+99, and the update is confirmed.").waitFor({ timeout: 60_000 });
     await go(page, "main");
     await start(page, 1500);
     await page.locator("#stop").click();
@@ -197,7 +197,7 @@ test("TX-Drivers on the bus are found, started and written to", async () => {
     const { page, own } = await connected();
     await go(page, "nodes");
     await page.locator("#scan").click();
-    await page.locator("#scan-told").getByText("2 of 127 node-ids answer.").waitFor({ timeout: 60_000 });
+    await page.locator("#scan-told").getByText("2 of 127 node-ids have answered.").waitFor({ timeout: 60_000 });
     const node = page.locator('[data-node="2"]');
     await page.locator('[data-node="5"]').waitFor();
     await node.getByText("Object dictionary").click();

@@ -56,7 +56,7 @@ test("a drive of other scales, with a parameter more and a signal less, is shown
     assert.equal(await run(drive.parameters.set(119, 58)), 58);
     assert.equal(peer.raw.get(119), 58);
     await assert.rejects(run(drive.parameters.set("Fan speed", 20)), { name: "RangeError", message: 'parameter 999 "Fan speed": 20 rpm is outside 100 to 9000 rpm' });
-    await assert.rejects(run(drive.parameters.set(119, 57.5)), { name: "RangeError", message: /is no whole number from/ });
+    await assert.rejects(run(drive.parameters.set(119, 57.5)), { name: "RangeError", message: /is not a whole number from/ });
 
     assert.ok(!drive.scope.signals.some(({ name }) => name === "HV Voltage"));
     const duty = drive.scope.signals.find(({ name }) => name === "Duty");
@@ -87,7 +87,7 @@ test("compiled tables serve a drive whose description is refused", async () => {
     assert.deepEqual(broken.drive.parameters.rows, new Drive().parameters.rows);
     const other = await described(OTHER, { descriptions: new Map() }, { check: 1 });
     assert.equal(other.drive.descriptionState, "refused");
-    assert.match(other.drive.descriptionProblem, /its CRC is not the one/);
+    assert.match(other.drive.descriptionProblem, /its CRC differs from the one/);
 });
 
 test("the real drive's description says what the tables say", async () => {

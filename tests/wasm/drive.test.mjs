@@ -106,7 +106,7 @@ test("a start that fails says why", async () => {
     await pump.run(pump.drive.wait(0.5));
     await pump.run(pump.drive.start(1000));
     const other = new Pump({}, { slave: 7 });
-    await assert.rejects(other.run(other.drive.start(100)), { name: "StartError", message: /nothing was heard/ });
+    await assert.rejects(other.run(other.drive.start(100)), { name: "StartError", message: /no frames were received/ });
 });
 
 test("the scope records signals around its trigger", async () => {
@@ -122,7 +122,7 @@ test("the scope records signals around its trigger", async () => {
     await pump.run(drive.scope.arm(["Hall code"], { samples: 50, before: 10, trigger: { kind: "state change" } }));
     assert.equal(await pump.run(drive.scope.state()), "armed");
     await assert.rejects(pump.run(drive.scope.arm(["Duty"])), { name: "RefusedError", message: /^the scope is armed: force it/ });
-    await assert.rejects(pump.run(drive.scope.download()), { name: "RefusedError", message: "the scope is armed: it has no record" });
+    await assert.rejects(pump.run(drive.scope.download()), { name: "RefusedError", message: "the scope is armed: no record is stored" });
     drive.stop();
     await pump.run(drive.scope.wait(2));
     const stopped = await pump.run(drive.scope.download());
@@ -131,8 +131,8 @@ test("the scope records signals around its trigger", async () => {
     // Nothing is cut or stretched in silence.
     const nine = drive.scope.signals.slice(0, 9).map(({ name }) => name);
     for (const [setup, message] of [
-        [{ samples: 2000 }, /^samples 2000: must be 1 to 455 for 9 signals, .* 4096 words .*; prescaler 3 or more$/],
-        [{ samples: 455 }, /^prescaler 1: must be at least 3 for 9 signals: the drive reads 4 in a control tick$/],
+        [{ samples: 2000 }, /^samples 2000: must be 1 to 455 for 9 signals, .* 4096 words; prescaler 3 or more$/],
+        [{ samples: 455 }, /^prescaler 1: must be at least 3 for 9 signals: the drive reads 4 signals per control tick$/],
         [{ samples: 10, prescaler: 3, before: 10 }, /^before 10: must be 0 to 9, fewer than samples 10$/],
     ]) {
         await assert.rejects(pump.run(drive.scope.capture(nine, setup)), { name: "RangeError", message });
@@ -199,7 +199,7 @@ test("the speed in open loop is that of the field, not 0 of a mode that rests", 
     assert.ok(Math.abs(drive.speed - rpm) < 0.1 * rpm, `${drive.speed} rpm of ${rpm}`);
     assert.equal(drive.speedWarning, undefined);
     drive.setSpeed(rpm + 50);
-    assert.match(drive.speedWarning, /^speed \d+ rpm is not parameter 88 "[^"]+": must be \d+ rpm$/);
+    assert.match(drive.speedWarning, /^speed \d+ rpm is not equal to parameter 88 "[^"]+": must be \d+ rpm$/);
 });
 
 test("a start reads what its limits need, and does not wait until the background has come to it", async () => {
@@ -232,7 +232,7 @@ test("a fraction of a whole parameter, and what is no number, is refused", async
     const { parameters: table } = pump.drive;
     const before = await pump.run(table.get(78));
     const { min, max } = table.row(78);
-    const message = `parameter 78 "Motor pair poles": 4.5 is no whole number from ${min} to ${max}`;
+    const message = `parameter 78 "Motor pair poles": 4.5 is not a whole number from ${min} to ${max}`;
     await assert.rejects(pump.run(table.set(78, 4.5)), { name: "RangeError", message });
     await assert.rejects(pump.run(table.load({ "Motor pair poles": 4.5 })), { name: "RangeError", message });
     await assert.rejects(pump.run(table.set(78, NaN)), { name: "RangeError", message: /NaN is outside/ });

@@ -73,19 +73,19 @@ test("a drive is programmed, and runs the new version", async () => {
 test("what is no image for this drive is refused before anything is sent, and the rest by whom it concerns", async () => {
     const pump = booted();
     const cases = [
-        [new Uint8Array(), "ImageError", "0 bytes of an image of 512"],
+        [new Uint8Array(), "ImageError", "the file has 0 bytes; the image needs 512"],
         [new Uint8Array(2000), "ImageError", "not an image: it does not begin with NARXIMG"],
-        [IMAGE.subarray(0, -8), "ImageError", "1528 bytes of an image of 1536"],
+        [IMAGE.subarray(0, -8), "ImageError", "the file has 1528 bytes; the image needs 1536"],
         [image({ hardware: "b-g431b-esc1" }), "ImageError", "the image is for hardware 4E580002h, the drive is 4E580000h"],
-        [image({ version: "0.0.9+9" }), "ImageError", "the image is version 0.0.9+9, older than the 0.1.0+1 that runs"],
+        [image({ version: "0.0.9+9" }), "ImageError", "the image is version 0.0.9+9, older than the running version 0.1.0+1"],
         [image({ length: 50 << 10 }), "ImageError", "the image has 51712 bytes, the drive has room for 51200"],
-        [OTHER_KEY, "RefusedError", "the signature is not one that the board's bootloader believes"],
+        [OTHER_KEY, "RefusedError", "the board's bootloader does not accept the signature"],
     ];
     for (const [bytes, name, message] of cases) {
         await assert.rejects(pump.run(pump.drive.update(bytes)), { name, message });
         assert.equal((await pump.run(pump.drive.info())).device.software, "0.1", message);
     }
-    assert.throws(() => imageInfo(new Uint8Array(3)), { name: "ImageError", message: "3 bytes of an image of 512" });
+    assert.throws(() => imageInfo(new Uint8Array(3)), { name: "ImageError", message: "the file has 3 bytes; the image needs 512" });
     await pump.run(pump.drive.start(2000));
     await assert.rejects(pump.run(pump.drive.update(IMAGE)), { name: "RefusedError", message: "the drive is not in Standby, nor in Fault at standstill" });
     assert.equal(pump.drive.state, 5);
@@ -110,5 +110,5 @@ test("an aborted update leaves the drive as it was, and the next one is taken", 
 test("a drive without a bootloader says nothing to it", async () => {
     const pump = new Pump();
     pump.pass(0.7);
-    await assert.rejects(pump.run(pump.drive.update(IMAGE)), { name: "NoAnswerError", message: "the drive does not answer; one without a bootloader never does" });
+    await assert.rejects(pump.run(pump.drive.update(IMAGE)), { name: "NoAnswerError", message: "the drive does not answer; it may have no bootloader" });
 });

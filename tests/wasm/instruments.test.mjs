@@ -99,14 +99,14 @@ test("a virtual drive without a log memory says so, and one with everything is a
     await page.getByLabel("Value of slot 1").fill("HV Voltage");
     await page.locator("#log-period").fill("0.02");
     await page.locator("#configure-log").click();
-    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#log-told").getByText("The drive now logs these values").waitFor();
     await logged(page, 5);
-    await page.getByLabel("How many").fill("3");
+    await page.getByLabel("Number of records").fill("3");
     await page.locator("#download-log:enabled").click();
     await page.locator("#log-told").getByText("3 records.").waitFor();
     await page.locator("#log-period").fill("3600");
     await page.locator("#configure-log:enabled").click();
-    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#log-told").getByText("The drive now logs these values").waitFor();
     await page.locator("#erase-log").click();
     await page.getByRole("dialog").getByRole("button", { name: "Erase log" }).click();
     await page.locator("#log-told").getByText("The log is empty.").waitFor();
@@ -134,7 +134,7 @@ test("calibration finds misplaced zeros and the hall sensors", async () => {
     const { page } = await operate(browser, "main");
     await page.locator("#meter").fill("24");
     await page.locator("#auto-calibrate").click();
-    await page.getByLabel("Calibration").getByText("The bus current reads 0 A now, and the bus voltage 24 V.").waitFor();
+    await page.getByLabel("Calibration").getByText("The bus current now reads 0 A and the bus voltage 24 V.").waitFor();
     await page.locator("#calibrate-hall").click();
     await page.getByLabel("Calibration").getByText(/Found: offset -?[\d.]+ degrees, order \d, polarity \d\./).waitFor({ timeout: 60_000 });
     await inState(page, "Standby");
@@ -156,32 +156,32 @@ async function program(page) {
 test("a virtual drive with a bootloader is programmed, and what goes wrong is told in words", async () => {
     const { page, complaints } = await operate(browser, "update");
     await choose(page, "notes.narximg", Buffer.from("hello"));
-    await page.getByRole("alert").getByText('"notes.narximg": 5 bytes of an image of 512.').waitFor();
+    await page.getByRole("alert").getByText('"notes.narximg": The file has 5 bytes; the image needs 512.').waitFor();
     assert.equal(await page.locator("#program").count(), 0);
 
     await choose(page, "drive.narximg", IMAGE);
     assert.match(await page.locator("#image-info").textContent(), /drive\.narximg.*0\.3\.1\+99.*bench, 4E580000h.*1536 bytes/);
-    assert.match(await program(page), /^The drive does not answer; one without a bootloader never does\. /);
+    assert.match(await program(page), /^The drive does not answer; it may have no bootloader\. /);
 
     await page.locator(".full-drive").click();
     await inState(page, "Standby");
-    assert.equal(await program(page), "The drive runs version 0.3.1+99 now and keeps it.");
+    assert.equal(await program(page), "The drive now runs version 0.3.1+99, and the update is confirmed.");
 
     // Dropped anywhere on the page; the result of before is gone with the next try.
     await go(page, "main");
     await drop(page, { name: "old.narximg", buffer: OLD });
     await page.locator("#image-info").getByText("0.2.0+0").waitFor();
-    assert.equal(await program(page), "The image is version 0.2.0+0, older than the 0.3.1+99 that runs. The drive was not touched.");
+    assert.equal(await program(page), "The image is version 0.2.0+0, older than the running version 0.3.1+99. The drive was not changed.");
 
     await choose(page, "foreign.narximg", FOREIGN);
-    assert.equal(await program(page), "The signature is not one that the board's bootloader believes. The drive runs what it ran before.");
+    assert.equal(await program(page), "The board's bootloader does not accept the signature. The drive runs its previous firmware.");
 
     await go(page, "main");
     // It has restarted: a start that it hears while it boots is spent.
     await inState(page, "Standby");
     await start(page, 1500);
     await go(page, "update");
-    await page.locator("#update-why").getByText("A drive is programmed in Standby, or in Fault at standstill.").waitFor();
+    await page.locator("#update-why").getByText("A drive can be programmed only in Standby, or in Fault at standstill.").waitFor();
     assert.ok(await page.locator("#program").isDisabled());
     assert.deepEqual(complaints, []);
 });

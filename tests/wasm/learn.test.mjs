@@ -98,7 +98,7 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
     await reaches(page, "field", 990, 1010);
     await reaches(page, "mean", 980, 1020);
     await slide(page, /Ramp/, 0.1);
-    await verdict("has lost its step");
+    await verdict("has lost synchronism");
     await reaches(page, "field", 990, 1010);
     await reaches(page, "mean", -150, 150);
     assert.match(await page.locator('[data-reading="state"]').textContent(), /3 Open-loop/);
@@ -110,7 +110,7 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
 
 test("sensorless start: from state to state, a tick on, a tick back", async () => {
     const { page, complaints } = await open("sensorless-start", STILL);
-    const next = page.getByRole("button", { name: "To the next state" });
+    const next = page.getByRole("button", { name: "Run to next state" });
     for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
         await next.click();
         await page.locator('[data-reading="state"]').getByText(state).waitFor();
@@ -119,7 +119,7 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
     const handedOver = Number.parseFloat(await time.textContent());
     // What a click asks for is drawn with the next picture.
     const shows = (milliseconds) => time.getByText(`${milliseconds.toFixed(1)} ms`, { exact: true }).waitFor();
-    await page.getByRole("button", { name: "One tick on" }).click();
+    await page.getByRole("button", { name: "One tick forward" }).click();
     await shows(handedOver + 0.1);
     for (let tick = 0; tick < 3; tick++) {
         await page.getByRole("button", { name: "One tick back" }).click();
@@ -171,7 +171,7 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     await slide(page, /Ki/, -1);
     await reaches(page, "back", 400, 900);
     await slide(page, /Ki/, 0);
-    await slide(page, /Limit/, 0.5);
+    await slide(page, /limit/, 0.5);
     await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
     await reaches(page, "speed", 800, 1400);
     assert.deepEqual(complaints, []);
@@ -190,7 +190,7 @@ test("faults: the diagram is Table 7, lights the way to the fault, and lets nobo
     const state = (text) => page.locator('[data-reading="state"]').getByText(text).waitFor();
     const button = (name) => page.getByRole("button", { name });
     await state("5 Hall sensors");
-    const events = page.getByRole("list", { name: "What happened" }).getByRole("listitem");
+    const events = page.getByRole("list", { name: "Event log" }).getByRole("listitem");
         // The times are those of PROTOCOL.md, section 4: 300 us; 100 ms without an edge and 500 ms of torque at speed 0.
     for (const [trouble, words, within] of [
         ["Short across the bus", /DC-link current/, [0.3, 0.5]],
@@ -204,7 +204,7 @@ test("faults: the diagram is Table 7, lights the way to the fault, and lets nobo
         assert.ok(deed.includes(`You: ${trouble}`));
         const later = Number.parseFloat(/\+([\d.]+)/.exec(consequence)[1]);
         assert.ok(within[0] <= later && later <= within[1], `${trouble}: ${later} ms`);
-        await button("Mend all").click();
+        await button("Repair all").click();
         await button("Request Drive").click();
         await state("6 Fault");
         await button("Request Standby").click();
@@ -230,7 +230,7 @@ test("frames: a click shows what it sends and what the drive says to it", async 
     await row("MOTOR_CMD").getByRole("button").click();
     const accepted = Number.parseFloat(await field("Speed"));
     assert.ok(accepted > 1000 && accepted < 9000, `${accepted} rpm`);
-    assert.match(await page.getByRole("list", { name: "Identifier" }).textContent(), /Priority.*a drive's.*170 = AAh.*85 = 55h.*drive to master.*102/);
+    assert.match(await page.getByRole("list", { name: "Identifier" }).textContent(), /Priority.*frame of a drive.*170 = AAh.*85 = 55h.*drive to master.*102/);
     await page.getByRole("button", { name: "Write pole pairs = 0" }).click();
     await page.getByRole("row").filter({ hasText: "00 4E 00 00 00 04 00 03" }).getByRole("button").click();
     assert.deepEqual(await Promise.all(["Number", "Value", "Status"].map(field)), ["78 ", "4 ", "Out of range "]);

@@ -112,11 +112,11 @@ test("digital lines and the hall supply are commanded, and a refusal is told", a
     const lines = page.getByRole("region", { name: "Digital lines and hall supply" });
     await page.locator("#dsio2:enabled").selectOption("high");
     await page.locator("#set-lines").click();
-    await lines.getByText("Taken: DSIO1 input; DSIO2 output, high.").waitFor();
+    await lines.getByText("Set: DSIO1 input; DSIO2 output, high.").waitFor();
     await page.locator("#hall-supply-off:enabled").click();
-    await lines.getByText("The hall sensors have no supply.").waitFor();
+    await lines.getByText("The hall supply is off.").waitFor();
     await page.locator("#hall-supply-on:enabled").click();
-    await lines.getByText("Parameter 97 decides about the hall supply.").waitFor();
+    await lines.getByText("Parameter 97 controls the hall supply.").waitFor();
     await start(page, 1500);
     await page.locator("#hall-supply-off:enabled").click();
     await lines.getByRole("alert").getByText("The drive has refused the request.").waitFor();
@@ -128,7 +128,7 @@ test("factory settings can be restored in every state, and the question says wha
     await start(page, 1500);
     await go(page, "parameters");
     await page.locator("#restore:enabled").click();
-    await page.getByRole("dialog").getByText(/but the device number and the calibration \(category 02\)/).waitFor();
+    await page.getByRole("dialog").getByText(/except the device number and the calibration \(category 02\)/).waitFor();
 });
 
 test("what is broken is named, and works again once it is mended and acknowledged", async () => {
@@ -162,7 +162,7 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     await input.fill("55.5");
     await input.press("Enter");
     // A drive that keeps writes by itself has nothing to mark.
-    if (!/by itself/.test(await page.locator("#keeping").textContent())) {
+    if (!/automatically/.test(await page.locator("#keeping").textContent())) {
         await row.getByText("not stored").waitFor();
     }
     await row.getByText("changed", { exact: true }).waitFor();
@@ -178,7 +178,7 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     const before = await poles.locator("input").inputValue();
     await poles.locator("input").fill("4.5");
     await poles.locator("input").press("Enter");
-    assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is no whole number from 1 to \d+/);
+    assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is not a whole number from 1 to \d+/);
     assert.equal(await poles.locator("input").inputValue(), before);
     await page.locator("#search").fill("over-voltage");
 
@@ -197,7 +197,7 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     await page.locator("#told").getByText("Written: Over-voltage HV threshold.").waitFor();
 
     await load(page, "notes.json", "speed");
-    await page.locator("#told").getByText('"notes.json" is no file of parameters: it is not JSON.').waitFor();
+    await page.locator("#told").getByText('"notes.json" is not a parameter file: it is not JSON.').waitFor();
     assert.deepEqual(complaints, []);
 });
 

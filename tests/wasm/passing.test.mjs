@@ -40,7 +40,7 @@ test("a link repeats a faulty run bit for bit in another page", async () => {
     const other = await browser.open({}, link.slice(link.indexOf("#")));
     const told = other.page.locator("#reproduced");
     await told.waitFor();
-    assert.equal(await told.textContent(), `Repeated bit for bit: digest ${digest}.`);
+    assert.equal(await told.textContent(), `Reproduced bit for bit: digest ${digest}.`);
     assert.match(await other.page.locator("#bench-time").locator("..").textContent(), new RegExp(`tick ${ticks}$`));
     await inState(other.page, "Fault");
 
@@ -53,7 +53,7 @@ test("a link repeats a faulty run bit for bit in another page", async () => {
     // Another seed is another run, and told to be one.
     const changed = await browser.open({}, `#/operate/virtual?run=${edited(link, (packed) => ({ ...packed, setup: { ...packed.setup, options: { ...packed.setup.options, seed: 7 } } }))}`);
     await changed.page.locator("#reproduced").waitFor();
-    assert.match(await changed.page.locator("#reproduced").textContent(), new RegExp(`not the same: digest [0-9a-f]{16}, expected ${digest}`));
+    assert.match(await changed.page.locator("#reproduced").textContent(), new RegExp(`Not reproduced: digest [0-9a-f]{16}, expected ${digest}`));
     assert.deepEqual([...complaints, ...other.complaints, ...changed.complaints], []);
 });
 
@@ -67,10 +67,10 @@ test("a link that is none is told in words", async () => {
     const whole = { format: 1, setup: { motor: "bly172s-24v", options: { supplyVoltage: 24 } }, frames: [], after: [], what: [], ticks: 100, digest: "0" };
     const cases = [
         ["nonsense", /This link is damaged: a part of it is missing or was changed/],
-        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, format: 9 })), /format 9, and this page knows format 1/],
-        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, ticks: -1 })), /-1 control ticks; 0 to 36000000 can be repeated/],
+        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, format: 9 })), /format 9, but this page supports format 1/],
+        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, ticks: -1 })), /-1 control ticks; 0 to 36000000 are allowed/],
         [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, setup: { ...whole.setup, options: { supplyVoltage: 12 } } })), /Supply voltage 12 V is outside 18 to 60 V/],
-        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, frames: ["zz"], after: [5], what: [0] })), /"zz" is no frame/],
+        [edited(`run=${deflateRawSync("{}").toString("base64url")}`, () => ({ ...whole, frames: ["zz"], after: [5], what: [0] })), /"zz" is not a frame/],
     ];
     for (const [text, message] of cases) {
         const { page } = await browser.open({}, `#/operate/virtual?run=${text}`);
@@ -99,7 +99,7 @@ test("all vectors replay in the page, and a damaged file is named", async () => 
     await drop(page, { name: "damaged.narxrec", buffer: damaged });
     await lastFile(page).getByText(/corrupt: the check value at byte \d+/).waitFor();
     await drop(page, { name: "notes.txt", buffer: Buffer.from("hello") });
-    await lastFile(page).getByText(/"notes.txt" is no file that this page knows/).waitFor();
+    await lastFile(page).getByText(/"notes.txt" is not a file that this page can read/).waitFor();
     assert.deepEqual(complaints, []);
 });
 
@@ -132,7 +132,7 @@ test("a bus log opens as columns, and the panels show it without sending", async
     await lastFile(page).getByText(/^bus log, \d+ frames$/).waitFor();
     const messages = await page.locator("#log-message option").allTextContents();
     assert.ok(messages.some((text) => /^MEASUREMENT_2, \d+$/.test(text)), messages.join());
-    await page.getByText("1 lines are no frame").waitFor();
+    await page.getByText("Lines that are not frames: 1").waitFor();
     await page.locator("#play-log").click();
     await page.locator(".bar .link").getByText("Log bus.log").waitFor();
     await inState(page, "Closed-loop Hall Effect Sensors");

@@ -21,7 +21,7 @@ import {
 import { Describer, type Descriptions, type DescriptionState } from "./description.js";
 import { failure, Link } from "./link.js";
 import { Log } from "./log.js";
-import { Parameters, type ParameterKey } from "./parameters.js";
+import { Parameters } from "./parameters.js";
 import { Scope } from "./scope.js";
 
 export type { Descriptions, DescriptionState } from "./description.js";
@@ -34,20 +34,10 @@ export type { Log, Parameters, Scope };
 
 /** Longest wait for a start, s. */
 const START_MAX = 10;
-/** Longest time until a command was sent and the drive has acted on it, s. */
-const ANSWER = 0.05;
-/** Longest waits for a hall calibration to begin and to end, s. */
-const [CALIBRATION_BEGIN, CALIBRATION_MAX] = [3, 60];
-const [CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE] = ["Hall calibration request", "Hall calibration state", 2] as const;
 /** Largest set-point of MOTOR_CMD, rpm. */
 const SPEED_MAX = 65_535;
-const [INITIALIZATION, STANDBY, ROTOR_LOCK, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 2, 3, 4, 5, 6];
+const [INITIALIZATION, STANDBY, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 3, 4, 5, 6];
 const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
-const REFUSALS = new Map([
-    [1, "no mode is enabled"],
-    [2, "parameters do not fit together"],
-    [4, "Standby was not requested before"],
-]);
 
 /** Configuration of a master, and the use of its drive's description. */
 export interface DriveOptions extends MasterOptions {
@@ -133,15 +123,11 @@ export class Drive {
         if (mine !== this.#commands) {
             throw failure("StartError", "the start was ended by another command");
         }
-        [this.#asked, this.#askedAt] = [rpm, this.#link.now];
-        this.#link.start(rpm);
-        const attempt = { asked: undefined as number | undefined, idle: false };
-        const ends = this.#endsInClosedLoop();
-        if (!(await this.#link.wait(() => this.#started(attempt, rpm < 0, ends), this.state === undefined ? 0 : START_MAX))) {
-            const known = this.stateName === undefined ? "nothing was heard of the drive" : `the drive is in ${this.stateName}`;
-            throw failure("StartError", `no start within ${START_MAX} s: ${known}`);
+        if (this.state === undefined) {
+            throw failure("StartError", `no start within ${START_MAX} s: no frames were received from the drive`);
         }
-        await this.#judge(attempt.idle);
+        [this.#asked, this.#askedAt] = [rpm, this.#link.now];
+        await this.#link.job("start", rpm);
     }
 
     /** Requests another speed in the same direction, mechanical rpm. Throws as `start` does for one that the
@@ -150,7 +136,7 @@ export class Drive {
         this.#link.expectVoice("setSpeed");
         this.#expectSpeed(whole("setSpeed", rpm, 0));
         const stands = this.state === STANDBY || this.state === INITIALIZATION;
-        if (this.state === FAULT || (stands && !this.#link.startPending && !this.master.asksToTurn)) {
+        if (this.state === FAULT || (stands && !this.master.startPending && !this.master.asksToTurn)) {
             throw failure("RefusedError", `speed ${rpm} rpm: the drive is in ${this.stateName}; call start first`);
         }
         [this.#asked, this.#askedAt] = [rpm, this.#link.now];
@@ -182,7 +168,7 @@ export class Drive {
     /** Requests Standby, which also acknowledges a fault. */
     stop(): void {
         this.#commands += 1;
-        this.#link.stop();
+        this.master.stop();
     }
 
     /** Requests a shutdown: the drive goes into Fault with bit 28. */
@@ -298,13 +284,8 @@ export class Drive {
     /** Restarts a stopped drive, and waits until it is in Standby or Fault again. The drive first stores
      * written parameters (parameter 307). */
     async reboot(): Promise<void> {
-        await this.#request("reboot");
+        await this.#link.job("reboot");
         this.#describer.forget();
-        // The drive stays in Initialization for half a second of self-tests.
-        await this.#link.wait(() => this.state === INITIALIZATION, 0.2);
-        if (!(await this.#link.wait(() => this.state === STANDBY || this.state === FAULT, 5))) {
-            throw failure("NoAnswerError", "the drive was not heard within 5 s after its reboot");
-        }
     }
 
     /** Sets the digital lines: one without a level is an input. */
@@ -330,33 +311,10 @@ export class Drive {
 
     /** Prepares a hall calibration: the next start turns the motor one electrical revolution each way to find
      * order, polarity and offset of the hall sensors. With `run` that start is made now, and the promise
-     * waits until the motor is at rest again, some 5 s; it rejects with a "StartError" if nothing was found.
-     * `parameters.storeOnce` stores the result. */
+     * waits until the motor is at rest again, some 5 s; it rejects with a "StartError" if the calibration failed.
+     * `parameters.store` stores the result. */
     async calibrateHall(run = false): Promise<void> {
-        if (run) {
-            await this.#link.wait(() => (this.state ?? INITIALIZATION) !== INITIALIZATION, CALIBRATION_BEGIN);
-        }
-        await this.#request("calibrate hall");
-        if (!run) {
-            return;
-        }
-        // Any set-point will do: the calibration turns the motor at its own speed.
-        this.#link.start(1);
-        const turns = () => this.state === ROTOR_LOCK || this.state === OPEN_LOOP;
-        if (await this.#link.wait(() => turns() || this.state === FAULT, CALIBRATION_BEGIN)) {
-            // Between two words of the drive its state may be unknown.
-            await this.#link.wait(() => this.state !== undefined && !turns(), CALIBRATION_MAX);
-        }
-        const [state, name, fault] = [this.state, this.stateName, this.fault];
-        const done = (await this.parameters.get(CALIBRATION_STATE as ParameterKey)) === CALIBRATION_DONE;
-        this.#link.stop();
-        // Waits until the drive has received Standby, which the next start requires.
-        await this.wait(2 * this.master.setpointPeriod);
-        if (!done || state !== STANDBY) {
-            await this.parameters.set(CALIBRATION_REQUEST as ParameterKey, 0);
-            const why = fault === undefined ? "" : `: ${fault}`;
-            throw failure("StartError", `the hall calibration found nothing: the drive is in ${name}${why}`);
-        }
+        await (run ? this.#link.job("calibrate hall") : this.#request("calibrate hall"));
     }
 
     /** Waits until this many seconds have passed in the times of `poll`. */
@@ -371,70 +329,6 @@ export class Drive {
 
     async #request(what: RequestName): Promise<void> {
         await this.#link.ask(() => this.master.request(what));
-    }
-
-    /** Reads whether the enabled modes end a start in closed loop. The result is a function that returns
-     * `undefined` until the answers have come. */
-    #endsInClosedLoop(): () => boolean | undefined {
-        let found: boolean | undefined;
-        const enabled = ["Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"] as ParameterKey[];
-        const read = async () => {
-            const values = await Promise.all(enabled.map((name) => this.parameters.get(name)));
-            found = values.some((value) => value !== 0);
-        };
-        // Without an answer the start ends by its time-out.
-        read().catch(() => undefined);
-        return () => found;
-    }
-
-    #started(attempt: { asked: number | undefined; idle: boolean }, reverse: boolean, ends: () => boolean | undefined): boolean {
-        const state = this.state;
-        if (state === FAULT) {
-            return true;
-        }
-        if (this.#link.startPending || state === undefined) {
-            return false;
-        }
-        const now = this.#link.now;
-        attempt.asked ??= now;
-        if (now < attempt.asked + ANSWER) {
-            return false;
-        }
-        const turns = this.status?.["Motor mode"] === (reverse ? "Reverse" : "Drive");
-        switch (state) {
-            case HALL:
-            case SENSORLESS:
-                return turns;
-            case OPEN_LOOP:
-                return turns && ends() === false;
-            case STANDBY:
-                attempt.idle = now >= attempt.asked + 4 * ANSWER;
-                return attempt.idle;
-            default:
-                return false;
-        }
-    }
-
-    /** Throws a "StartError" for a start that has failed. */
-    async #judge(idle: boolean): Promise<void> {
-        if (this.state === FAULT) {
-            const code = await this.parameters.get("Extended fault code" as ParameterKey);
-            // The extended code may arrive after the state.
-            await this.#link.wait(() => this.fault !== undefined, ANSWER);
-            const why = this.fault ?? `code 0x${code.toString(16).padStart(4, "0")}`;
-            throw failure("StartError", `the drive is in Fault: ${why} (${this.faults.toSorted().join(", ")})`);
-        }
-        if (!idle) {
-            return;
-        }
-        const refusal = await this.parameters.get("Start refusal" as ParameterKey);
-        const rejected = await this.parameters.get("Rejected parameter" as ParameterKey);
-        const row = refusal === 2 ? this.parameters.row(rejected) : undefined;
-        if (row !== undefined) {
-            throw failure("StartError", `the drive refused the start: parameter ${row.number} "${row.name}" does not fit the others`);
-        }
-        const unknown = refusal === 0 ? "it stays in Standby" : `reason ${refusal}`;
-        throw failure("StartError", `the drive refused the start: ${REFUSALS.get(refusal) ?? unknown}`);
     }
 }
 

@@ -1,12 +1,12 @@
 // A master, and the calls that wait for it. No call blocks, and there is no clock: the owner of a drive
 // passes frames and times, and promises settle during those calls.
 
-import { Master, parameters, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
+import { Master, parameters, type Chunk, type Frame, type JobName, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
 
 import { tablesOf, type Tables } from "./description.js";
 
-/** Returns an error with this `name`: that of a master, or "StartError". */
-export function failure(name: MasterError["name"] | "StartError", message: string): Error {
+/** Returns an error with this `name`, as those of a master. */
+export function failure(name: MasterError["name"], message: string): Error {
     return Object.assign(new Error(message), { name });
 }
 
@@ -32,6 +32,12 @@ interface Download {
     told: number;
 }
 
+interface Job {
+    readonly name: JobName;
+    readonly resolve: () => void;
+    readonly reject: (error: unknown) => void;
+}
+
 interface Update {
     readonly progress: ((progress: UpdateProgress) => void) | undefined;
     readonly resolve: () => void;
@@ -42,56 +48,17 @@ interface Update {
 /** Largest number of answers that the master keeps. */
 const ANSWERS = 8;
 
-/** A start that waits until the drive accepts it: it must have received Standby since it last stopped or
- * booted. */
-class Starter {
-    #rpm: number | undefined;
-    #asked: number | undefined;
-
-    get pending(): boolean {
-        return this.#rpm !== undefined;
-    }
-
-    start(rpm: number): void {
-        [this.#rpm, this.#asked] = [rpm, undefined];
-    }
-
-    cancel(): void {
-        this.#rpm = undefined;
-    }
-
-    poll(master: Master, now: number): void {
-        const state = master.state;
-        if (this.#rpm === undefined || state === undefined) {
-            return;
-        }
-        if (state <= 1) {
-            if (this.#asked === undefined) {
-                master.stop();
-            }
-            if (this.#asked === undefined || state === 0) {
-                this.#asked = now;
-            }
-            if (now < this.#asked + 2 * master.setpointPeriod) {
-                return;
-            }
-        }
-        master.start(this.#rpm);
-        this.#rpm = undefined;
-    }
-}
-
 /** Link to one drive. */
 export class Link {
     readonly master: Master;
     #now = 0;
-    #starter = new Starter();
     #waiting: Question[] = [];
     #asked: Question[] = [];
     #waiters: Waiter[] = [];
     #downloads: Download[] = [];
     #download: Download | undefined;
     #update: Update | undefined;
+    #job: Job | undefined;
     #tables: Tables;
     /** Numbers of the parameters in this package's own tables. */
     #own: ReadonlySet<number>;
@@ -129,10 +96,6 @@ export class Link {
         return this.#download !== undefined || this.#downloads.length > 0;
     }
 
-    get startPending(): boolean {
-        return this.#starter.pending;
-    }
-
     handleFrame(frame: Frame, now: number): void {
         this.#now = Math.max(this.#now, now);
         this.master.handleFrame(frame, this.#now);
@@ -141,18 +104,10 @@ export class Link {
 
     poll(now: number): Frame[] {
         this.#now = Math.max(this.#now, now);
-        this.#starter.poll(this.master, this.#now);
         this.#ask();
         const due = this.master.poll(this.#now);
         this.#settle();
         return due;
-    }
-
-    start(rpm: number): void {
-        if (!Number.isInteger(rpm) || Math.abs(rpm) > 65535) {
-            throw new RangeError(`start ${rpm}: must be a whole number from -65535 to 65535`);
-        }
-        this.#starter.start(rpm);
     }
 
     /** Throws for a master that transmits nothing: its commands would be lost without notice. */
@@ -162,9 +117,13 @@ export class Link {
         }
     }
 
-    stop(): void {
-        this.#starter.cancel();
-        this.master.stop();
+    /** Begins a job of the master, and waits for its end. A job that is under way is rejected. */
+    job(name: JobName, rpm?: number): Promise<void> {
+        return new Promise((resolve, reject) => {
+            this.master.begin(name, rpm);
+            this.#job?.reject(failure("StartError", `the ${this.#job.name} was ended by another command`));
+            this.#job = { name, resolve, reject };
+        });
     }
 
     /** Makes a request of the master, and waits for its answer. Rejects with the error that `begin` throws,
@@ -226,6 +185,7 @@ export class Link {
         }
         this.#receive();
         this.#program();
+        this.#work();
         // A loop, not `filter`: Node 20 fails with "unreachable code" when it inlines functions that call
         // WebAssembly into `filter`.
         const waiting: Waiter[] = [];
@@ -264,6 +224,22 @@ export class Link {
         } catch (error) {
             this.#download = undefined;
             download.reject(error);
+        }
+    }
+
+    #work(): void {
+        const job = this.#job;
+        if (job === undefined) {
+            return;
+        }
+        try {
+            if (this.master.pollJob()) {
+                this.#job = undefined;
+                job.resolve();
+            }
+        } catch (error) {
+            this.#job = undefined;
+            job.reject(error);
         }
     }
 

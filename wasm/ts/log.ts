@@ -106,7 +106,7 @@ export class Log {
         });
         const count = SLOT_LAST + 1 - SLOT_FIRST;
         if (slots.length > count) {
-            throw new RangeError(`values: ${slots.length} are too many, the log has ${count} slots`);
+            throw new RangeError(`values: ${slots.length} exceed the ${count} slots of the log`);
         }
         await this.#parameters.set(PERIOD, period * 1000);
         for (let at = 0; at < count; at++) {
@@ -121,7 +121,7 @@ export class Log {
         const length = await this.length();
         const records = count ?? Math.max(length - first, 0);
         if (!(first >= 0 && records >= 0 && first + records <= length)) {
-            throw new RangeError(`records ${first} to ${first + records}: the log has ${length}`);
+            throw new RangeError(`records ${first} to ${first + records}: the log has ${length} records`);
         }
         if (records === 0) {
             return table([], this.#link.tables);
@@ -140,7 +140,7 @@ export class Log {
             const erasing = this.state === "LOG_ERASE_ONGOING" || this.state === "LOG_ERASE_END";
             idle = erasing || ((await this.length()) > 0 && (await this.full())) ? 0 : idle + 1;
             if (!this.#link.master.connected) {
-                throw failure("NoAnswerError", "the drive was lost while it erases its log");
+                throw failure("NoAnswerError", "the connection to the drive was lost while it erased its log");
             }
         }
     }

@@ -52,7 +52,7 @@ export class Parameters {
         return this.#link.ask(() => this.#link.master.write(key, value));
     }
 
-    /** Returns every parameter that can be written and is no command, by name, for `load`. */
+    /** Returns every parameter that can be written and is not a command, by name, for `load`. */
     async toObject(): Promise<Partial<Record<ParameterName, number>>> {
         const rows = this.rows.filter(({ access, command }) => access !== "read-only" && !command);
         const values = await Promise.all(rows.map(({ number }) => this.get(number)));
@@ -109,7 +109,7 @@ export class Parameters {
         await this.#link.ask(() => this.#link.master.request("device info"));
         const { device } = this.#link.master;
         if (device === undefined) {
-            throw new Error("The drive does not say its device number.");
+            throw new Error("The drive does not report its device number.");
         }
         await this.#link.ask(() => this.#link.master.restoreFactory(device.deviceNumber));
     }
@@ -122,5 +122,5 @@ export function misfit({ number, name, unit, scale, min, max }: Parameter, value
     if (inside && (scale < 1 || Math.abs(steps - Math.round(steps)) < 1e-6)) {
         return undefined;
     }
-    return `parameter ${number} "${name}": ${value}${space} is ${inside ? "no whole number from" : "outside"} ${min} to ${max}${space}`;
+    return `parameter ${number} "${name}": ${value}${space} is ${inside ? "not a whole number from" : "outside"} ${min} to ${max}${space}`;
 }

@@ -15,13 +15,13 @@ const SIGNALS_A_TICK = 4;
 /** Meanings of parameter 306. */
 const REFUSALS: readonly (string | undefined)[] = [
     undefined,
-    "there is no record",
-    "it records",
-    "signals times samples exceed the memory",
-    "the prescaler leaves too few ticks to read the signals",
-    "no sample is left for what comes after the trigger",
-    "the drive has no memory for it",
-    "a signal is unknown",
+    "no record is stored",
+    "a recording is in progress",
+    "the samples of all signals exceed the scope memory",
+    "the prescaler is too small for this number of signals",
+    "all samples are before the trigger",
+    "the drive has no memory for this record",
+    "an unknown signal is selected",
 ];
 
 /** State of the scope (parameter 260). */
@@ -80,7 +80,7 @@ export class Scope {
         const known = this.signals;
         const bits = new Set(signals.map((name) => find(known, name).bit));
         if (bits.size === 0) {
-            throw new TypeError("signals: must name at least one");
+            throw new TypeError("signals: must name at least one signal");
         }
         await this.#expectRoom(bits.size, setup);
         const channels = [...bits].reduce((sum, bit) => sum + 2 ** bit, 0);
@@ -102,11 +102,11 @@ export class Scope {
         const of = `${wide} signal${wide > 1 ? "s" : ""}`;
         if (samples > most) {
             throw new RangeError(
-                `samples ${samples}: must be 1 to ${most} for ${of}, of which a memory of ${room} words has no more room; prescaler ${least} or more`,
+                `samples ${samples}: must be 1 to ${most} for ${of}, because the memory holds ${room} words; prescaler ${least} or more`,
             );
         }
         if (prescaler < least) {
-            throw new RangeError(`prescaler ${prescaler}: must be at least ${least} for ${of}: the drive reads ${SIGNALS_A_TICK} in a control tick`);
+            throw new RangeError(`prescaler ${prescaler}: must be at least ${least} for ${of}: the drive reads ${SIGNALS_A_TICK} signals per control tick`);
         }
         if (before >= samples) {
             throw new RangeError(`before ${before}: must be 0 to ${samples - 1}, fewer than samples ${samples}`);
@@ -145,7 +145,7 @@ export class Scope {
     async force(): Promise<void> {
         const state = await this.state();
         if (state !== "armed") {
-            throw failure("RefusedError", `the scope is ${state}: only an armed one can be forced`);
+            throw failure("RefusedError", `the scope is ${state}: only an armed scope can be forced`);
         }
         await this.#press();
     }
@@ -155,7 +155,7 @@ export class Scope {
         const end = this.#link.now + timeout;
         for (let state = await this.state(); state !== "done"; state = await this.state()) {
             if (this.#link.now >= end) {
-                throw failure("NoAnswerError", `the scope is ${state} after ${timeout} s: its trigger did not come`);
+                throw failure("NoAnswerError", `the scope is ${state} after ${timeout} s: the trigger has not occurred`);
             }
             await this.#link.wait(() => false, 0.01);
         }
@@ -231,7 +231,7 @@ export class Scope {
     async #expectRecord(inputs: boolean): Promise<void> {
         const state = await this.state();
         if (state !== "done") {
-            throw failure("RefusedError", `the scope is ${state}: it has no record`);
+            throw failure("RefusedError", `the scope is ${state}: no record is stored`);
         }
         if (Boolean(await this.#parameters.get(INPUTS)) !== inputs) {
             const [kind, call] = inputs ? ["signals", "download"] : ["inputs", "downloadRecording"];

@@ -10,9 +10,10 @@
 //! ```
 
 use crate::cross;
-use crate::install::{self, target_directory};
+use crate::install;
 use crate::library::{self, NARX};
-use crate::steps::{self, Outcome};
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -22,7 +23,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 const HOST: &str = "x86_64-unknown-linux-gnu";
 
 /// Runs `cargo xtask archive`.
-pub fn command(root: &Path) -> ExitCode {
+pub(crate) fn command(root: &Path) -> ExitCode {
     steps::finish(pack(root))
 }
 
@@ -46,7 +47,7 @@ fn pack(root: &Path) -> Outcome {
 ///
 /// # Errors
 /// Fails with the name of a file that cannot be written.
-pub fn lay_out(root: &Path) -> Result<PathBuf, String> {
+pub(crate) fn lay_out(root: &Path) -> Result<PathBuf, String> {
     let folder = target_directory(root).join(name());
     // Files of an earlier version must not stay.
     let _ = fs::remove_dir_all(&folder);

@@ -1,6 +1,7 @@
 //! Audit of everything from outside: licences, sources and bans of every crate.
 
-use crate::{install, steps};
+use crate::install;
+use narx_report::steps;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
@@ -8,7 +9,7 @@ use std::process::{Command, ExitCode};
 const CARGO_DENY: &str = "0.20.2";
 
 /// Checks every crate of `Cargo.lock` against `deny.toml`.
-pub fn command(root: &Path) -> ExitCode {
+pub(crate) fn command(root: &Path) -> ExitCode {
     steps::finish(audit(root))
 }
 

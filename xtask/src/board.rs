@@ -2,11 +2,11 @@
 //! places that can panic.
 
 use crate::cross;
-use crate::driven::output;
 use crate::firmware::{Size, size};
-use crate::install::{self, target_directory};
-use crate::steps::{self, Outcome};
+use crate::install;
 use crate::test::rust::EMBEDDED;
+use narx_report::steps::{self, Outcome, output};
+use narx_report::target_directory;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -14,9 +14,9 @@ use std::process::{Command, ExitCode};
 use std::{env, fs};
 
 /// Package of the board's images.
-pub const PACKAGE: &str = "narx-b-g431b-esc1";
+pub(crate) const PACKAGE: &str = "narx-b-g431b-esc1";
 /// Profile with which they are built.
-pub const PROFILE: &str = "board";
+pub(crate) const PROFILE: &str = "board";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
 # The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
@@ -85,20 +85,20 @@ impl Measured {
 }
 
 /// Path of a built image.
-pub fn path(root: &Path, image: &str) -> PathBuf {
+pub(crate) fn path(root: &Path, image: &str) -> PathBuf {
     target_directory(root).join(EMBEDDED).join(PROFILE).join(image)
 }
 
 /// Builds and measures the images, and prints which layouts fit. With `golden` it writes the golden file;
 /// else it fails if no layout fits.
-pub fn command(root: &Path, golden: bool) -> ExitCode {
+pub(crate) fn command(root: &Path, golden: bool) -> ExitCode {
     let done = build(root).and_then(|_| measure(root)).and_then(|measured| {
-        measured.iter().for_each(|(name, figures)| println!("{}", line(name, figures)));
+        measured.iter().for_each(|(name, figures)| steps::say(line(name, figures)));
         let verdicts = LAYOUTS.map(|layout| (layout.what, short(&layout, &measured)));
         for (what, short) in &verdicts {
             let verdict =
                 if short.is_empty() { "fits".into() } else { format!("too large: {}", short.join(", ")) };
-            println!("{what}: {verdict}");
+            steps::say(format_args!("{what}: {verdict}"));
         }
         match () {
             () if golden => regenerate(root, false),
@@ -123,11 +123,11 @@ fn short(layout: &Layout, measured: &[(&str, Measured)]) -> Vec<String> {
 ///
 /// # Errors
 /// Fails with the message of rustup or cargo.
-pub fn build(root: &Path) -> Outcome {
+pub(crate) fn build(root: &Path) -> Outcome {
     install::rust_target(EMBEDDED)?;
     let key = if env::var_os("NARX_UPDATE_KEY").is_none() {
-        println!(
-            "the bootloader takes images of the test key, which everybody has: NARX_UPDATE_KEY names another"
+        steps::say(
+            "the bootloader takes images of the test key, which everybody has: NARX_UPDATE_KEY names another",
         );
         ",test-key"
     } else {
@@ -168,7 +168,7 @@ fn line(name: &str, figures: &Measured) -> String {
 ///
 /// # Errors
 /// Fails if a figure differs from the golden one.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let measured = measure(root)?;
     let panics = panics(root)?;
     let mut text = String::from(HEAD);

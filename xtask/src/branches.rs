@@ -1,7 +1,8 @@
 //! Branches of the core that no Rust test takes: docs/evidence/branches.json.
 
-use crate::steps::{self, Outcome};
-use crate::{figures, install};
+use crate::install;
+use narx_report::figures;
+use narx_report::steps::{self, Outcome};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use std::{fs, io};
 
 /// Arguments of `branches`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Folder for branches.json
     #[arg(long, default_value = "docs/evidence")]
     out: PathBuf,
@@ -27,41 +28,41 @@ const CORE: &str = "core/src";
 
 /// The branches of one file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct File {
+pub(crate) struct File {
     /// Outcomes of its conditions: two each.
-    pub branches: u64,
+    pub(crate) branches: u64,
     /// Outcomes that a test takes.
-    pub covered: u64,
+    pub(crate) covered: u64,
 }
 
 impl File {
     /// Outcomes that no test takes.
-    pub const fn missed(self) -> u64 {
+    pub(crate) const fn missed(self) -> u64 {
         self.branches - self.covered
     }
 }
 
 /// Branches of every file of the core.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Branches {
+pub(crate) struct Branches {
     /// Command that measures again.
-    pub command: String,
+    pub(crate) command: String,
     /// Commit that was measured.
-    pub commit: String,
+    pub(crate) commit: String,
     /// Figures by path from `core/src`.
-    pub files: BTreeMap<String, File>,
+    pub(crate) files: BTreeMap<String, File>,
 }
 
 /// Runs the tests of the core and of the bootloader with every branch counted, and writes the branches that
 /// they take.
-pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(measure(root, &root.join(&arguments.out).join("branches.json")))
 }
 
 fn measure(root: &Path, path: &Path) -> Outcome {
     install::nightly(&["rustc", "llvm-tools"])?;
     install::cargo_program(PROGRAM, VERSION)?;
-    let export = install::target_directory(root).join("branches.json");
+    let export = narx_report::target_directory(root).join("branches.json");
     // Programs of earlier code would be read with today's sources, and have lines that no longer exist.
     steps::run(&mut llvm_cov(root, &["clean", "--workspace"]))?;
     // A report of named packages holds those packages alone, and the core is not among those whose tests

@@ -3,7 +3,7 @@
 
 use crate::driven;
 use crate::install::{self, Package};
-use crate::steps::{self, Outcome};
+use narx_report::steps::{self, Outcome};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const HEAD: &str = "\
 ";
 
 /// Counts, and writes the golden file or, with `check`, compares it.
-pub fn command(root: &Path, check: bool) -> ExitCode {
+pub(crate) fn command(root: &Path, check: bool) -> ExitCode {
     steps::finish(regenerate(root, check))
 }
 
@@ -35,7 +35,7 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
 ///
 /// # Errors
 /// Fails if a figure differs from the golden one.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     if !cfg!(target_arch = "x86_64") {
         return Ok(vec!["not compared: the golden figures are of x86-64".into()]);
     }
@@ -70,7 +70,7 @@ pub(crate) struct Counts {
 impl Counts {
     /// Builds the program and counts its instructions.
     pub(crate) fn new(root: &Path, mode: &'static str) -> Result<Self, String> {
-        Self::measure(&install::target_directory(root), &driven::build(root)?, mode)
+        Self::measure(&narx_report::target_directory(root), &driven::build(root)?, mode)
     }
 
     fn measure(directory: &Path, program: &Path, mode: &'static str) -> Result<Self, String> {
@@ -78,7 +78,7 @@ impl Counts {
         let mut valgrind = Command::new("valgrind");
         valgrind.args(["--tool=callgrind", "--toggle-collect=driven::measured*"]);
         valgrind.arg(format!("--callgrind-out-file={}", profile.display()));
-        driven::output(valgrind.arg(program).args([mode, &TICKS.to_string()]))?;
+        steps::output(valgrind.arg(program).args([mode, &TICKS.to_string()]))?;
         let text = fs::read_to_string(&profile).map_err(|error| format!("{}: {error}", profile.display()))?;
         let each = |count: u64| count as f64 / f64::from(TICKS);
         let tick = total(&text).ok_or("no summary in the profile")?;

@@ -6,23 +6,23 @@ use std::path::Path;
 use std::process::Command;
 
 /// Packages with the compiler and the C library.
-pub const PACKAGES: [Package; 2] = [
+pub(crate) const PACKAGES: [Package; 2] = [
     Package { name: "gcc-arm-none-eabi", provides: COMPILER },
     Package { name: "libnewlib-arm-none-eabi", provides: "/usr/lib/arm-none-eabi/newlib/rdimon.specs" },
 ];
 
 /// Strict options: C compilers must accept our code without a warning.
-pub const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
+pub(crate) const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
 
 /// Program that removes debug information.
-pub const STRIP: &str = "arm-none-eabi-strip";
+pub(crate) const STRIP: &str = "arm-none-eabi-strip";
 
 /// Name of the compiler.
-pub const COMPILER: &str = "arm-none-eabi-gcc";
+pub(crate) const COMPILER: &str = "arm-none-eabi-gcc";
 
 /// Processor for which a program is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Processor {
+pub(crate) enum Processor {
     /// A Cortex-M4 with floating point, as on the boards.
     CortexM4F,
     /// A Cortex-M0: no floating point, no division, no compare-and-swap.
@@ -31,10 +31,10 @@ pub enum Processor {
 
 impl Processor {
     /// All processors.
-    pub const ALL: [Self; 2] = [Self::CortexM4F, Self::CortexM0];
+    pub(crate) const ALL: [Self; 2] = [Self::CortexM4F, Self::CortexM0];
 
     /// Rust target of its libraries.
-    pub const fn target(self) -> &'static str {
+    pub(crate) const fn target(self) -> &'static str {
         match self {
             Self::CortexM4F => "thumbv7em-none-eabihf",
             Self::CortexM0 => "thumbv6m-none-eabi",
@@ -42,7 +42,7 @@ impl Processor {
     }
 
     /// Options that the C compiler needs for it.
-    pub const fn options(self) -> &'static [&'static str] {
+    pub(crate) const fn options(self) -> &'static [&'static str] {
         match self {
             Self::CortexM4F => &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
             Self::CortexM0 => &["-mcpu=cortex-m0", "-mthumb", "-mfloat-abi=soft"],
@@ -52,12 +52,12 @@ impl Processor {
 
 /// Returns the compiler with the options and sources that make a program with semihosting on a Cortex-M4F;
 /// the caller chooses the optimisation.
-pub fn compiler(root: &Path) -> Command {
+pub(crate) fn compiler(root: &Path) -> Command {
     compiler_for(root, Processor::CortexM4F, Machine::Mps2M4)
 }
 
 /// Returns the compiler for a processor, with the memory layout of a machine that runs its code.
-pub fn compiler_for(root: &Path, processor: Processor, machine: Machine) -> Command {
+pub(crate) fn compiler_for(root: &Path, processor: Processor, machine: Machine) -> Command {
     let tests = root.join("tests/c");
     let mut command = Command::new(COMPILER);
     command.args(processor.options());

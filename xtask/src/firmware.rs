@@ -4,16 +4,16 @@ use crate::board;
 use crate::install;
 use crate::qemu;
 use crate::slots;
-use crate::steps::{self, Outcome};
 use crate::test::rust::EMBEDDED;
 use clap::ValueEnum;
+use narx_report::steps::{self, Outcome};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{fs, io};
 
 /// Arguments of `firmware`.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Board of the image
     #[arg(long)]
     board: Board,
@@ -36,7 +36,7 @@ pub struct Arguments {
 
 /// Board for which an image is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Board {
+pub(crate) enum Board {
     /// The emulated mps2-an386 with a simulated motor and power stage
     Qemu,
     /// ST's B-G431B-ESC1: built and measured
@@ -46,7 +46,7 @@ pub enum Board {
 
 /// An image of the board `qemu`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Image {
+pub(crate) enum Image {
     /// The virtual drive.
     Drive,
     /// Replays recordings.
@@ -67,7 +67,7 @@ pub enum Image {
 
 impl Image {
     /// All images.
-    pub const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::Drive,
         Self::Replay,
         Self::Count,
@@ -79,7 +79,7 @@ impl Image {
     ];
 
     /// Name of the image and of its file.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Drive => "qemu",
             Self::Replay => "replay",
@@ -93,14 +93,14 @@ impl Image {
     }
 
     /// Path at which [`build`] leaves it.
-    pub fn path(self, root: &Path) -> PathBuf {
-        install::target_directory(root).join(EMBEDDED).join("release").join(self.name())
+    pub(crate) fn path(self, root: &Path) -> PathBuf {
+        narx_report::target_directory(root).join(EMBEDDED).join("release").join(self.name())
     }
 }
 
 /// Builds the images of a board, signs those for its slots, and prints their sizes; with `--run` it runs the
 /// virtual drive until it is interrupted.
-pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     match (arguments.board, arguments.run, arguments.golden) {
         (Board::Esc1, true, _) => return refuse("--run: nobody emulates this board; --board qemu runs"),
         (Board::Qemu, _, true) => {
@@ -131,7 +131,7 @@ fn refuse(reason: &str) -> ExitCode {
 ///
 /// # Errors
 /// Fails with the message of rustup or cargo.
-pub fn build(root: &Path) -> Outcome {
+pub(crate) fn build(root: &Path) -> Outcome {
     install::rust_target(EMBEDDED)?;
     let arguments = ["build", "--release", "-p", "narx-firmware", "--bins", "--target", EMBEDDED];
     steps::run(Command::new("cargo").args(arguments).current_dir(root))
@@ -141,7 +141,7 @@ pub fn build(root: &Path) -> Outcome {
 ///
 /// # Errors
 /// Fails with the command that installs the emulator.
-pub fn emulator() -> Outcome {
+pub(crate) fn emulator() -> Outcome {
     install::debian(&[qemu::PACKAGE])
 }
 
@@ -149,7 +149,7 @@ pub fn emulator() -> Outcome {
 ///
 /// # Errors
 /// Fails if an image is missing or invalid.
-pub fn sizes(root: &Path) -> Outcome {
+pub(crate) fn sizes(root: &Path) -> Outcome {
     let line = |image: Image| {
         let path = image.path(root);
         let size = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;

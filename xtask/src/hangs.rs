@@ -3,7 +3,7 @@
 
 use crate::firmware::Image;
 use crate::qemu;
-use crate::steps::Outcome;
+use narx_report::steps::Outcome;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -26,7 +26,7 @@ const ROUNDS_MS: u32 = 25;
 ///
 /// # Errors
 /// Fails if there is no reset, a late one, or one for another reason.
-pub fn run(root: &Path) -> Outcome {
+pub(crate) fn run(root: &Path) -> Outcome {
     TASKS.iter().map(|(task, what)| hang(root, task, what)).collect()
 }
 

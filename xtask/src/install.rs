@@ -1,41 +1,45 @@
 //! Installation of tools that the tests need. A tool that cannot be installed is named with the command that
 //! does it.
 
-use crate::steps;
+use narx_report::steps;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{env, fs};
+
+/// Installations that change the whole machine go one after the other.
+static INSTALLING: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    INSTALLING.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A Debian package, and a program by which its presence is checked.
 #[derive(Clone, Copy, Debug)]
-pub struct Package {
+pub(crate) struct Package {
     /// Name of the package.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// A program or a file of the package.
-    pub provides: &'static str,
+    pub(crate) provides: &'static str,
 }
 
 impl Package {
     /// Returns whether the package is installed.
-    pub fn is_there(&self) -> bool {
+    pub(crate) fn is_there(&self) -> bool {
         is_there(self.provides)
     }
 }
 
 /// Packages that run JavaScript, and fetch JavaScript packages.
-pub const NODE: [Package; 2] =
+pub(crate) const NODE: [Package; 2] =
     [Package { name: "nodejs", provides: "node" }, Package { name: "npm", provides: "npm" }];
-
-/// Folder for everything that tests install or build.
-pub fn target_directory(root: &Path) -> PathBuf {
-    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
-}
 
 /// Installs the packages that are missing: as root or with sudo on Debian.
 ///
 /// # Errors
 /// Fails with the missing packages and the command that installs them, if they cannot be installed here.
-pub fn debian(packages: &[Package]) -> steps::Outcome {
+pub(crate) fn debian(packages: &[Package]) -> steps::Outcome {
+    let _alone = alone();
     let missing: Vec<&str> =
         packages.iter().filter(|package| !package.is_there()).map(|package| package.name).collect();
     if missing.is_empty() {
@@ -71,7 +75,8 @@ pub fn debian(packages: &[Package]) -> steps::Outcome {
 ///
 /// # Errors
 /// Fails with rustup's message.
-pub fn rust_target(name: &str) -> steps::Outcome {
+pub(crate) fn rust_target(name: &str) -> steps::Outcome {
+    let _alone = alone();
     steps::run(Command::new("rustup").args(["target", "add", name]))
 }
 
@@ -79,7 +84,8 @@ pub fn rust_target(name: &str) -> steps::Outcome {
 ///
 /// # Errors
 /// Fails with rustup's message.
-pub fn nightly(components: &[&str]) -> steps::Outcome {
+pub(crate) fn nightly(components: &[&str]) -> steps::Outcome {
+    let _alone = alone();
     let installed = Command::new("rustup").args(["+nightly", "component", "list", "--installed"]).output();
     let installed = installed.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
     let is_there = |component: &&str| installed.as_ref().is_ok_and(|list| list.contains(*component));
@@ -96,7 +102,7 @@ pub fn nightly(components: &[&str]) -> steps::Outcome {
 ///
 /// # Errors
 /// Fails with cargo's message.
-pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
+pub(crate) fn cargo_program(name: &str, version: &str) -> steps::Outcome {
     // Called through cargo: not every command answers when it is called by its own name.
     let said = Command::new("cargo").args([name.trim_start_matches("cargo-"), "--version"]).output();
     if said.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).trim_end().ends_with(version)) {
@@ -110,7 +116,7 @@ pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
 ///
 /// # Errors
 /// Fails with the message of Python or pip.
-pub fn python_environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
+pub(crate) fn python_environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
     let python = directory.join("bin/python");
     let wanted =
         fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
@@ -136,7 +142,7 @@ pub fn python_environment(directory: &Path, requirements: &Path) -> Result<PathB
 ///
 /// # Errors
 /// Fails with npm's message, or with the command that installs npm.
-pub fn npm(directory: &Path) -> steps::Outcome {
+pub(crate) fn npm(directory: &Path) -> steps::Outcome {
     let lock = directory.join("package-lock.json");
     let wanted = fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
     let stamp = directory.join("node_modules/installed.json");

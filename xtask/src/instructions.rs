@@ -2,14 +2,14 @@
 //! `tests/golden/instructions.toml`.
 
 use crate::firmware::{self, Image};
-use crate::running::Running;
-use crate::steps::{self, Outcome};
-use crate::{floor, install, qemu, vectors};
-use narx_core::motor::State;
+use crate::programs::LAB;
+use crate::{floor, qemu, vectors};
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
+use serde::Deserialize;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Beginning of the file.
 const HEAD: &str = "\
@@ -27,16 +27,15 @@ const HEAD: &str = "\
 # scope.NAME     what a virtual scope of eight signals adds to every tick of that motor, waiting for an edge or recording
 # inputs.NAME    the same of a scope that records the inputs of every tick; the worst takes a checkpoint
 # loaded.NAME    what that scope of signals and a command in every third tick, as many as the bus can carry, add together
-# floor.NAME     every call of a bare tick by hand in C, without any of our features (xtask/floor/tick.c, -O3), fed with the speed of running.NAME
+# floor.NAME     every call of a bare tick by hand in C, without any of our features (lab/floor/tick.c, -O3), fed with the speed of running.NAME
 # plant.NAME     every period of the simulated motor and power stage of the virtual drive
 # standby.period everything between two sleeps of a drive in Standby whose master speaks every 50 ms: control interrupt and background
 ";
 
 /// Builds the images and writes the golden file. With `check` it writes nothing, and fails if a figure
 /// differs.
-pub fn command(root: &Path, check: bool) -> ExitCode {
-    let built = firmware::build(root).and_then(|_| firmware::emulator());
-    steps::finish(built.and_then(|_| regenerate(root, check)))
+pub(crate) fn command(root: &Path, check: bool) -> Outcome {
+    firmware::build(root).and_then(|_| firmware::emulator()).and_then(|_| regenerate(root, check))
 }
 
 /// Counts everything with images that are built, prints it, and writes the golden file or, with `check`,
@@ -44,9 +43,9 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
 ///
 /// # Errors
 /// Fails if the images do not run, or a figure differs from the golden one.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let counted = Counted::new(root)?;
-    println!("{}", table(&counted.rows));
+    steps::say(table(&counted.rows));
     let (mut closing, path) = (closing(&counted.rows), path(root));
     let old = fs::read_to_string(&path).unwrap_or_default();
     let fresh = counted.render();
@@ -86,19 +85,32 @@ impl Row {
         let (kind, name) = (words.next()?, words.next()?);
         let mut number = || words.next()?.parse().ok();
         let (ticks, total, worst) = (number()?, number()?, number()?);
-        let name = match kind {
-            "state" => {
-                let state = State::ALL.get(name.parse::<usize>().ok()?)?;
-                format!("state.{state:?}")
-            }
-            kind => format!("{kind}.{name}"),
-        };
-        Some(Self { name, ticks, total, worst })
+        Some(Self { name: format!("{kind}.{name}"), ticks, total, worst })
     }
 
     /// Mean count of a tick.
     pub(crate) fn average(&self) -> f64 {
         self.total as f64 / self.ticks.max(1) as f64
+    }
+}
+
+/// The demonstration's motor in steady running: recordings that narx-lab makes for counting.
+#[derive(Deserialize)]
+struct Running {
+    paths: Vec<PathBuf>,
+    /// Descriptions of the runs: a line for each.
+    labels: Vec<String>,
+    /// The motor's electrical speed, mHz.
+    millihertz: u32,
+}
+
+impl Running {
+    fn record(root: &Path) -> Result<Self, String> {
+        let directory = target_directory(root).join("running");
+        LAB.run(root, &["running".as_ref(), directory.as_os_str()])?;
+        let path = directory.join("running.json");
+        let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
     }
 }
 
@@ -120,7 +132,7 @@ pub(crate) struct Counted {
 impl Counted {
     /// Runs images that are built.
     pub(crate) fn new(root: &Path) -> Result<Self, String> {
-        let running = Running::record(&install::target_directory(root).join("running"))?;
+        let running = Running::record(root)?;
         let compiler = floor::compiler_version()?;
         let mut counted = Self {
             rows: Vec::new(),
@@ -151,7 +163,7 @@ impl Counted {
         for line in text.lines().filter(|line| !line.starts_with("bracket ")) {
             let invalid = || format!("not a row: {line}");
             if let Some(note) = line.strip_prefix("# ") {
-                println!("{note}");
+                steps::say(note);
             } else if let Some(size) = line.strip_prefix("bytes ") {
                 let (name, bytes) = size.split_once(' ').ok_or_else(invalid)?;
                 self.memory.push((format!("{name}_bytes"), bytes.parse().map_err(|_| invalid())?));

@@ -1,22 +1,23 @@
 //! The static libraries for C: for this machine and for every processor.
 
 use crate::cross::Processor;
-use crate::install::{self, target_directory};
-use crate::steps::{self, Outcome};
+use crate::install;
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Targets of a C library: this machine (`None`) and every processor.
-pub const ALL: [Option<Processor>; 3] = [None, Some(Processor::CortexM4F), Some(Processor::CortexM0)];
+pub(crate) const ALL: [Option<Processor>; 3] = [None, Some(Processor::CortexM4F), Some(Processor::CortexM0)];
 
 /// `libnarx.a`.
-pub const NARX: Library = Library { package: "narx-ffi", name: "narx" };
+pub(crate) const NARX: Library = Library { package: "narx-ffi", name: "narx" };
 /// `libnarx_bench.a`: the same with a simulated motor.
-pub const BENCH: Library = Library { package: "narx-c-bench", name: "narx_bench" };
+pub(crate) const BENCH: Library = Library { package: "narx-c-bench", name: "narx_bench" };
 
 /// A static library of ours.
 #[derive(Clone, Copy, Debug)]
-pub struct Library {
+pub(crate) struct Library {
     package: &'static str,
     name: &'static str,
 }
@@ -26,7 +27,7 @@ impl Library {
     ///
     /// # Errors
     /// Fails with the compiler's message.
-    pub fn build(self, root: &Path, processor: Option<Processor>) -> Outcome {
+    pub(crate) fn build(self, root: &Path, processor: Option<Processor>) -> Outcome {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--quiet", "--release", "-p", self.package, "--lib"]);
         if let Some(processor) = processor {
@@ -39,12 +40,12 @@ impl Library {
     }
 
     /// Path of the shared library of this machine.
-    pub fn shared(self, root: &Path) -> PathBuf {
+    pub(crate) fn shared(self, root: &Path) -> PathBuf {
         target_directory(root).join("release").join(format!("lib{}.so", self.name))
     }
 
     /// Path of the built library.
-    pub fn path(self, root: &Path, processor: Option<Processor>) -> PathBuf {
+    pub(crate) fn path(self, root: &Path, processor: Option<Processor>) -> PathBuf {
         let mut path = target_directory(root);
         path.extend(processor.map(Processor::target));
         path.join("release").join(format!("lib{}.a", self.name))

@@ -1,33 +1,33 @@
 //! Control by other people's crates, counted on the emulated Cortex-M4F as ours is: the image of
 //! `firmware/others`.
 
-use crate::steps::{self, Outcome};
 use crate::test::rust::EMBEDDED;
-use crate::{driven, install, qemu};
+use crate::{install, qemu};
+use narx_report::steps::{self, Outcome};
 use std::path::Path;
 use std::process::Command;
 
 /// A controller and the instructions that a call of it takes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Counted {
+pub(crate) struct Counted {
     /// Crate, and the part of it that is called.
-    pub name: String,
+    pub(crate) name: String,
     /// Mean number of instructions of a call.
-    pub average: f64,
+    pub(crate) average: f64,
     /// Largest number of instructions of a call.
-    pub worst: u32,
+    pub(crate) worst: u32,
 }
 
 /// Builds the image and runs it.
 ///
 /// # Errors
 /// Fails with the message of compiler or emulator, or with a controller that does not do its work.
-pub fn count(root: &Path) -> Result<Vec<Counted>, String> {
+pub(crate) fn count(root: &Path) -> Result<Vec<Counted>, String> {
     install::rust_target(EMBEDDED)?;
     let build = ["build", "--quiet", "--release", "-p", "narx-others", "--target", EMBEDDED];
     steps::run(Command::new("cargo").args(build).current_dir(root))?;
-    let image = install::target_directory(root).join(EMBEDDED).join("release/others");
-    let text = driven::output(&mut qemu::counting(&image, &[] as &[&str]))?;
+    let image = narx_report::target_directory(root).join(EMBEDDED).join("release/others");
+    let text = steps::output(&mut qemu::counting(&image, &[] as &[&str]))?;
     let rows: Vec<Counted> = text.lines().filter_map(parse).collect();
     if rows.is_empty() { Err(format!("no rows in: {text}")) } else { Ok(rows) }
 }
@@ -36,7 +36,7 @@ pub fn count(root: &Path) -> Result<Vec<Counted>, String> {
 ///
 /// # Errors
 /// Those of [`count`].
-pub fn check(root: &Path) -> Outcome {
+pub(crate) fn check(root: &Path) -> Outcome {
     let line = |row: Counted| format!("{}: {:.0} instructions a call", row.name, row.average);
     count(root).map(|rows| rows.into_iter().map(line).collect())
 }

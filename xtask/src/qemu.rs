@@ -6,14 +6,14 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Name of the emulator; Debian's package has the same name.
-pub const PROGRAM: &str = "qemu-system-arm";
+pub(crate) const PROGRAM: &str = "qemu-system-arm";
 
 /// Package of the emulator.
-pub const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRAM };
+pub(crate) const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRAM };
 
 /// An emulated machine. All have flash at 0 and RAM at 2000_0000h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Machine {
+pub(crate) enum Machine {
     /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each, and 16 MB of PSRAM at 2100_0000h.
     Mps2M4,
     /// A BBC micro:bit: a Cortex-M0 with 256 KB of flash and 16 KB of RAM.
@@ -30,7 +30,7 @@ impl Machine {
     }
 
     /// Linker script of C programs, in `tests/c`.
-    pub const fn memory(self) -> &'static str {
+    pub(crate) const fn memory(self) -> &'static str {
         match self {
             Self::Mps2M4 => "mps2.ld",
             Self::Microbit => "microbit.ld",
@@ -44,24 +44,24 @@ impl Machine {
 ///
 /// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives
 /// changed.
-pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
+pub(crate) fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     semihosting_on(Machine::Mps2M4, elf, arguments)
 }
 
 /// Runs an image on any machine, as [`semihosting`] does.
-pub fn semihosting_on(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
+pub(crate) fn semihosting_on(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     emulator(machine, elf, arguments, "none")
 }
 
 /// Runs an image as [`semihosting`] does, with a TCP server at its serial port: port `port` of this machine.
 /// The image starts when a client connects.
-pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
+pub(crate) fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
     emulator(Machine::Mps2M4, elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 
 /// Runs an image as [`with_serial_port`] does, with the file `flash` of 16 MB as the machine's PSRAM: bytes
 /// that are written there stay in the file after the emulator has ended, in whatever way it ended.
-pub fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
+pub(crate) fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
     let mut command = with_serial_port(elf, &[] as &[&str], port);
     let memory = format!("memory-backend-file,id=flash,size=16M,share=on,mem-path={flash}");
     command.args(["-object", &memory, "-machine", "memory-backend=flash"]);
@@ -70,7 +70,7 @@ pub fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
 
 /// Runs an image in a closed run in which one instruction takes exactly 2^7 ns of the machine's time,
 /// whatever the host does.
-pub fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
+pub(crate) fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     let mut command = semihosting(elf, arguments);
     command.args(["-icount", "shift=7,sleep=off"]);
     command

@@ -2,11 +2,12 @@
 //! `tests/golden/ffi_sizes.toml`.
 
 use crate::cross::{self, Processor};
-use crate::driven::output;
-use crate::install::{self, target_directory};
+use crate::install;
 use crate::library::NARX;
 use crate::qemu::{self, Machine};
-use crate::steps::Outcome;
+use narx_report::steps::Outcome;
+use narx_report::steps::output;
+use narx_report::target_directory;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -49,7 +50,7 @@ const PARTS: [(&str, &[&str], Option<&str>); 16] = [
 ///
 /// # Errors
 /// Those of [`regenerate`], and the compiler's message.
-pub fn generate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn generate(root: &Path, check: bool) -> Outcome {
     Processor::ALL.iter().try_for_each(|processor| NARX.build(root, Some(*processor)).map(drop))?;
     regenerate(root, check)
 }
@@ -58,7 +59,7 @@ pub fn generate(root: &Path, check: bool) -> Outcome {
 ///
 /// # Errors
 /// Fails if a figure differs from the golden one.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     let mut text = String::from(HEAD);
     let mut closing = Vec::new();
@@ -152,7 +153,11 @@ fn calls(header: &str) -> Vec<String> {
 ///
 /// # Errors
 /// Fails with the linker's message.
-pub fn link(root: &Path, processor: Processor, uses: impl Fn(&str) -> bool) -> Result<PathBuf, String> {
+pub(crate) fn link(
+    root: &Path,
+    processor: Processor,
+    uses: impl Fn(&str) -> bool,
+) -> Result<PathBuf, String> {
     let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
     program(root, processor, calls.iter().filter(|call| uses(call)))
 }

@@ -1,20 +1,19 @@
 //! Images for the slots of the emulated board, signed with the public test key.
 
 use crate::firmware::Image;
-use crate::install;
-use crate::sign;
-use crate::steps::Outcome;
-use narx_boot::sign::SecretKey;
-use narx_boot::{Version, hardware};
+use crate::programs::TERMINAL;
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-/// A key that no board accepts.
-const FOREIGN: SecretKey = SecretKey([7; 32]);
+/// Secret half of the key that the emulated board believes; everybody has it.
+const TEST_KEY: &str = "firmware/keys/TEST-ONLY.key";
 
 /// Folder in which [`make`] leaves the images.
-pub fn directory(root: &Path) -> PathBuf {
-    install::target_directory(root).join("slots")
+pub(crate) fn directory(root: &Path) -> PathBuf {
+    target_directory(root).join("slots")
 }
 
 /// Makes images of the virtual drive: `old` and `new`, and `foreign`, which is like `new` but signed by a
@@ -23,21 +22,27 @@ pub fn directory(root: &Path) -> PathBuf {
 ///
 /// # Errors
 /// Fails with the message of the signing.
-pub fn make(root: &Path) -> Outcome {
+pub(crate) fn make(root: &Path) -> Outcome {
     let directory = directory(root);
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
     let (idle, drive) = (directory.join("idle.bin"), Image::Application.path(root));
     fs::write(&idle, idle_program()).map_err(|error| format!("{}: {error}", idle.display()))?;
+    // A key that no board accepts.
+    let foreign = directory.join("foreign.key");
+    fs::write(&foreign, "07".repeat(32)).map_err(|error| format!("{}: {error}", foreign.display()))?;
+    let (test, sign) = (root.join(TEST_KEY), TERMINAL.build(root)?);
     let mut lines = Vec::new();
-    for (name, program, key, minor) in [
-        ("old", &drive, SecretKey::TEST_ONLY, 1),
-        ("new", &drive, SecretKey::TEST_ONLY, 2),
-        ("foreign", &drive, FOREIGN, 2),
-        ("idle", &idle, SecretKey::TEST_ONLY, 2),
+    for (name, program, key, version) in [
+        ("old", &drive, &test, "1.1.0+1"),
+        ("new", &drive, &test, "1.2.0+2"),
+        ("foreign", &drive, &foreign, "1.2.0+2"),
+        ("idle", &idle, &test, "1.2.0+2"),
     ] {
-        let version = Version { major: 1, minor, patch: 0, build: minor.into() };
-        let path = directory.join(name).with_extension("narximg");
-        lines.extend(sign::sign(program, &key, hardware::QEMU, version, &path)?);
+        let mut command = Command::new(&sign);
+        command.arg("sign").arg(program).arg("--key").arg(key);
+        command.args(["--hardware", "qemu", "--version", version]);
+        command.arg("--out").arg(directory.join(name).with_extension("narximg"));
+        lines.push(steps::output(&mut command)?.trim().to_owned());
     }
     Ok(lines)
 }

@@ -1,11 +1,12 @@
 //! Flash of the core on a small board, and the bytes that each feature adds to it: golden figures in
 //! `tests/golden/small_board.toml`.
 
-use crate::driven::output;
-use crate::install::{self, target_directory};
-use crate::steps::Outcome;
+use crate::install;
 use crate::test::rust::EMBEDDED;
 use crate::{cross, sizes};
+use narx_report::steps::Outcome;
+use narx_report::steps::output;
+use narx_report::target_directory;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -28,7 +29,7 @@ const FEATURES: [&str; 7] =
 ///
 /// # Errors
 /// Fails with the compiler's message, or if a figure differs from the golden one.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let (least, every) = least_and_every(root)?;
     let path = root.join(GOLDEN);
     if check {

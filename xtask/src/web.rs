@@ -1,7 +1,8 @@
 //! The WebAssembly build: module, packages for the web and for Node, and the page.
 
-use crate::install::{self, target_directory};
-use crate::steps::{self, Outcome, Step, run_all};
+use crate::install;
+use narx_report::steps::{self, Outcome, Step, run_all};
+use narx_report::target_directory;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{env, fs};
@@ -35,7 +36,7 @@ const FEATURES: [&str; 8] = [
 
 /// Arguments of `web`.
 #[derive(clap::Args, Clone, Copy, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Serve the page on this computer after the build
     #[arg(long)]
     serve: bool,
@@ -45,7 +46,7 @@ pub struct Arguments {
 }
 
 /// Builds the page, and serves it on request.
-pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
+pub(crate) fn command(root: &Path, arguments: Arguments) -> ExitCode {
     let built = run_all(build(root));
     if arguments.serve && built == ExitCode::SUCCESS {
         let mut serve = Command::new("node");
@@ -60,7 +61,7 @@ pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
 }
 
 /// Steps that build everything: packages in `wasm/pkg`, the page in `wasm/web/dist`.
-pub fn build(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn build(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("wasm tools", move || {
             install::rust_target(TARGET)?;
@@ -81,7 +82,7 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
 ///
 /// # Errors
 /// Fails with a file that is out of date, or that cannot be read.
-pub fn declarations(root: &Path, check: bool) -> Outcome {
+pub(crate) fn declarations(root: &Path, check: bool) -> Outcome {
     for name in ["narx.d.ts", "core.d.ts", "lab.d.ts"] {
         let (made, kept) = (root.join("wasm/pkg/web").join(name), root.join("wasm").join(name));
         let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
@@ -98,7 +99,7 @@ pub fn declarations(root: &Path, check: bool) -> Outcome {
 ///
 /// # Errors
 /// Fails with a part that cannot be built.
-pub fn generate(root: &Path) -> Outcome {
+pub(crate) fn generate(root: &Path) -> Outcome {
     package(root)?;
     declarations(root, false)?;
     steps::run(
@@ -113,7 +114,7 @@ pub fn generate(root: &Path) -> Outcome {
 ///
 /// # Errors
 /// Fails with a part that cannot be built.
-pub fn package(root: &Path) -> Outcome {
+pub(crate) fn package(root: &Path) -> Outcome {
     install::rust_target(TARGET)?;
     install::npm(&root.join("wasm/web"))?;
     modules(root)?;
@@ -181,7 +182,7 @@ fn packages(root: &Path) -> Outcome {
 
 /// Node, for programs that call our modules often: Node 20 ends with "unreachable code" now and then, where
 /// it has inlined a call of WebAssembly that returns an object.
-pub fn node() -> Command {
+pub(crate) fn node() -> Command {
     let mut command = Command::new("node");
     command.arg("--no-turbo-inline-js-wasm-calls");
     command

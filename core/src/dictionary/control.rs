@@ -15,14 +15,15 @@ pub(super) const CONTROL: [Row; 44] = [
         .range(0, 1)
         .factory(1)
         .about(
-            "1: hall sensors stand where a standard motor has them; 0: parameter 80 says how far they are off.",
+            "1: the hall sensors have the positions of a standard motor; 0: parameter 80 is their offset.",
         ),
     Row::new(number::HALL_OFFSET_ANGLE, "Hall effect offset angle", Machine, I32)
         .in_unit("deg", -2)
         .range(-18000, 18000)
         .factory(0)
         .about(
-            "How far the hall edges lie beyond their place, electrical degrees; used when parameter 79 is 0.",
+            "Offset of the hall edges from their nominal position, electrical degrees; used when parameter 79 \
+             is 0.",
         ),
     Row::new(number::OPEN_LOOP_ENABLE, "Open-loop enable", Control, U16)
         .range(0, 1)
@@ -47,8 +48,8 @@ pub(super) const CONTROL: [Row; 44] = [
         .range(0, 10000)
         .factory(0)
         .about(
-            "First duty in state 5, and in state 4 when not 0; 0 takes over the duty applied before. Per cent of the bus \
-             voltage, or of the nominal supply voltage where parameter 266 tells one.",
+            "First duty in state 5, and in state 4 when not 0; 0 takes over the duty applied before. Per cent \
+             of the bus voltage, or of the nominal supply voltage where parameter 266 gives one.",
         ),
     Row::new(number::ZC_PERIOD_MAX, "Max period between two ZC events", Control, U16)
         .in_unit("ticks", 0)
@@ -65,8 +66,8 @@ pub(super) const CONTROL: [Row; 44] = [
         .range(0, 10000)
         .factory(400)
         .about(
-            "Duty applied in open loop: per cent of the bus voltage, or of the nominal supply voltage where parameter 266 tells \
-             one.",
+            "Duty applied in open loop: per cent of the bus voltage, or of the nominal supply voltage where \
+             parameter 266 gives one.",
         ),
     Row::new(number::OPEN_LOOP_SPEED, "Open-loop speed setpoint", Control, I32)
         .in_unit("rpm", 0)
@@ -81,8 +82,8 @@ pub(super) const CONTROL: [Row; 44] = [
         .range(0, 10000)
         .factory(400)
         .about(
-            "Duty applied in rotor lock: per cent of the bus voltage, or of the nominal supply voltage where parameter 266 \
-             tells one.",
+            "Duty applied in rotor lock: per cent of the bus voltage, or of the nominal supply voltage where \
+             parameter 266 gives one.",
         ),
     Row::new(number::SPEED_KI_SL, "Speed Ki coefficient SL", Control, I32)
         .in_unit("V/rad", -6)
@@ -145,22 +146,32 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(4000)
-        .about("Largest speed set-point in sensorless closed loop. While it is 4000, 4000 rpm x 4 / parameter 78."),
+        .about(
+            "Largest speed set-point in sensorless closed loop. A value of 4000 means 4000 rpm x 4 / \
+             parameter 78.",
+        ),
     Row::new(number::SPEED_MIN_SL, "Speed setpoint min saturation SL", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(500)
-        .about("Smallest speed set-point in sensorless closed loop. While it is 500, 500 rpm x 4 / parameter 78."),
+        .about(
+            "Smallest speed set-point in sensorless closed loop. A value of 500 means 500 rpm x 4 / parameter \
+             78.",
+        ),
     Row::new(number::SPEED_MAX_HES, "Speed setpoint max saturation HES", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(4000)
-        .about("Largest speed set-point in hall closed loop. While it is 4000, 4000 rpm x 4 / parameter 78."),
+        .about(
+            "Largest speed set-point in hall closed loop. A value of 4000 means 4000 rpm x 4 / parameter 78.",
+        ),
     Row::new(number::SPEED_MIN_HES, "Speed setpoint min saturation HES", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(500)
-        .about("Smallest speed set-point in hall closed loop. While it is 500, 500 rpm x 4 / parameter 78."),
+        .about(
+            "Smallest speed set-point in hall closed loop. A value of 500 means 500 rpm x 4 / parameter 78.",
+        ),
     Row::new(number::HV_CURRENT_SOFT_START, "Max HV current limitation soft start", CommandSaturation, U16)
         .in_unit("A", -3)
         .range(0, 7000)

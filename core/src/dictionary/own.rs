@@ -41,7 +41,7 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 7)
         .factory(0)
         .read_only()
-        .about("Exact state of section 7."),
+        .about("State of the drive, as numbered in section 7."),
     Row::new(number::HALL_ORDER, "Hall order", Machine, U16)
         .range(0, 5)
         .factory(0)
@@ -69,8 +69,8 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 60000)
         .factory(0)
         .about(
-            "Voltage that parameters 84, 87 and 89 are per cent of, so that their effect does not change with the supply; 0: they are \
-             duties of the live bus voltage.",
+            "Voltage to which the percentages of parameters 84, 87 and 89 refer, so that their effect does \
+             not change with the supply; 0: they are duties of the live bus voltage.",
         ),
     Row::new(number::BACK_EMF_CONSTANT, "Back-EMF constant", Machine, I32)
         .in_unit("V/rpm", -6)
@@ -124,8 +124,8 @@ pub(super) const OWN: [Row; 52] = [
         .factory(0)
         .read_only()
         .about(
-            "Why the last start was refused: 0 it was not, 1 no mode enabled, 2 parameters do not fit together, 3 \
-             reserved, 4 Standby was not requested since the last stop.",
+            "Reason why the last start was refused: 0 not refused, 1 no mode enabled, 2 parameters do not fit \
+             together, 3 reserved, 4 Standby was not requested since the last stop.",
         ),
     Row::new(number::HALL_INVALID, "Hall invalid codes", Diagnostics, U16)
         .range(0, 65535)
@@ -147,8 +147,9 @@ pub(super) const OWN: [Row; 52] = [
         .factory(0)
         .read_only()
         .about(
-            "What bounds the duty: 0 bridge off, 1 fixed level, 2 speed loop, 3 bus current, 4 phase current, 5 \
-             power, 6 temperature, 7 maximum duty, 8 slew, 9 no return into the bus, 10 zero crossings not seen.",
+            "Limit that bounds the duty: 0 bridge off, 1 fixed level, 2 speed loop, 3 bus current, 4 phase \
+             current, 5 power, 6 temperature, 7 maximum duty, 8 slew, 9 no regeneration into the bus, 10 zero \
+             crossings not seen.",
         ),
     Row::new(number::HALL_INTERPOLATION_SPEED, "Hall interpolation speed", Control, I32)
         .in_unit("rpm", 0)
@@ -179,21 +180,21 @@ pub(super) const OWN: [Row; 52] = [
         .in_unit("ticks", -2)
         .range(-10000, 10000)
         .factory(0)
-        .about("What a falling zero crossing is delayed by beyond parameter 100."),
+        .about("Delay of a falling zero crossing in addition to parameter 100."),
     Row::new(number::CROSSING, "Last zero crossing", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)
         .read_only()
         .about(
-            "What became of the last step's zero crossing: 0 none yet, 1 accepted, 2 filtered (too early), 3 blind (not \
-             seen), 4 late (hidden by demagnetisation), 5 heard while coasting.",
+            "Outcome of the last step's zero crossing: 0 none yet, 1 accepted, 2 filtered (too early), 3 \
+             blind (not seen), 4 late (hidden by demagnetisation), 5 detected while coasting.",
         ),
     Row::new(number::CROSSING_MARGIN, "Zero crossing margin", Diagnostics, I32)
         .in_unit("deg", -2)
         .range(-18000, 18000)
         .factory(0)
         .read_only()
-        .about("How far the last accepted zero crossing lay behind its prediction, electrical degrees."),
+        .about("Lag of the last accepted zero crossing behind its prediction, electrical degrees."),
     Row::new(number::CROSSINGS, "Zero crossings", Diagnostics, U32)
         .range(0, u32::MAX as i64)
         .factory(0)
@@ -203,9 +204,9 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 6)
         .factory(0)
         .about(
-            "What begins the record of an armed scope, besides a second request: 0 nothing, 1 signal above the level, 2 \
-             below it, 3 its rising edge through the level, 4 its falling edge, 5 a change of the drive's state, 6 a new bit in \
-             FAULT_WORD.",
+            "Event that starts the record of an armed scope, besides a second request: 0 none, 1 signal above \
+             the level, 2 below it, 3 its rising edge through the level, 4 its falling edge, 5 a change of \
+             the drive's state, 6 a new bit in FAULT_WORD.",
         ),
     Row::new(number::SCOPE_TRIGGER_SIGNAL, "Scope trigger signal", Instrumentation, U16)
         .range(0, 22)
@@ -220,17 +221,19 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 2)
         .factory(0)
         .read_only()
-        .about("Of the CAN controller (ISO 11898-1): 0 error active, 1 error passive, 2 bus-off."),
+        .about(
+            "Error state of the CAN controller (ISO 11898-1): 0 error active, 1 error passive, 2 bus-off.",
+        ),
     Row::new(number::TRANSMIT_ERRORS, "Transmit error counter", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)
         .read_only()
-        .about("Of the CAN controller (ISO 11898-1)."),
+        .about("Counter of the CAN controller (ISO 11898-1)."),
     Row::new(number::RECEIVE_ERRORS, "Receive error counter", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)
         .read_only()
-        .about("Of the CAN controller (ISO 11898-1)."),
+        .about("Counter of the CAN controller (ISO 11898-1)."),
     Row::new(number::BUS_OFFS, "Bus-offs", Diagnostics, U32)
         .range(0, u32::MAX as i64)
         .factory(0)
@@ -257,8 +260,8 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 1)
         .factory(0)
         .about(
-            "What the scope records: 0 the signals of parameter 22, 1 the inputs of every control tick behind the drive's state, from \
-             which the same run can be made again, bit for bit.",
+            "Content of the scope's record: 0 the signals of parameter 22, 1 the drive's state and then the \
+             inputs of every control tick, from which the run can be replayed bit for bit.",
         ),
     Row::new(number::SCOPE_WORDS, "Scope words", Diagnostics, U16)
         .range(0, 65535)
@@ -270,23 +273,26 @@ pub(super) const OWN: [Row; 52] = [
         .factory(0)
         .read_only()
         .about(
-            "Why the device started: 0 unknown, 1 power-up, 2 reset line, 3 requested, 4 watchdog, 5 program error, 6 supply dip.",
+            "Cause of the device's last start: 0 unknown, 1 power-up, 2 reset line, 3 requested, 4 watchdog, \
+             5 program error, 6 supply dip.",
         ),
     Row::new(number::FAILED_SELF_TESTS, "Failed self-tests", Diagnostics, U16)
         .range(0, 31)
         .factory(0)
         .read_only()
         .about(
-            "Since power-up, any of which is fault bit 27: bit 0 RAM, bit 1 program, bit 2 clocks, bit 3 stack, bit 4 control ticks.",
+            "Self-tests that have failed since power-up, each of which sets fault bit 27: bit 0 RAM, bit 1 \
+             program, bit 2 clocks, bit 3 stack, bit 4 control ticks.",
         ),
     Row::new(number::DIAGNOSTICS, "Diagnostics", Diagnostics, U16)
         .range(0, 7)
         .factory(0)
         .read_only()
         .about(
-            "What is worth knowing and is no fault: bit 0 the bus is below 18 V, bit 1 the rotor may have turned unseen since power-up \
-             or since parameter 17 set the mechanical position, bit 2 sensorless control is enabled and a stable wrong lock would not \
-             be found, because parameter 267 or 268 is 0.",
+            "Conditions that are not faults: bit 0 the bus is below 18 V, bit 1 the rotor may have turned \
+             undetected since power-up or since parameter 17 set the mechanical position, bit 2 sensorless \
+             control is enabled and a stable wrong lock would not be detected, because parameter 267 or 268 \
+             is 0.",
         ),
     Row::new(number::SCOPE_ROOM, "Scope room", Diagnostics, U16)
         .range(0, 65535)
@@ -298,15 +304,17 @@ pub(super) const OWN: [Row; 52] = [
         .factory(0)
         .read_only()
         .about(
-            "Why the last LOG VIRTUAL SCOPE was refused: 0 it was not, 1 there is no record to download, 2 it records, 3 signals times \
-             samples exceed parameter 305, 4 parameter 24 is below one tick for every 4 signals, 5 parameter 26 is not below \
-             parameter 23, 6 no memory, 7 unknown signal.",
+            "Reason why the last LOG VIRTUAL SCOPE was refused: 0 not refused, 1 no record to download, 2 a \
+             recording is in progress, 3 signals times samples exceed parameter 305, 4 parameter 24 is below \
+             one tick for every 4 signals, 5 parameter 26 is not below parameter 23, 6 no memory, 7 unknown \
+             signal.",
         ),
     Row::new(number::AUTOMATIC_STORE, "Automatic store", Services, U16)
         .range(0, 1)
         .factory(1)
         .about(
-            "With 1 a written parameter is stored within 2 s, all that 256 stores together; with 0 parameter 256 alone stores. Device \
-             number and calibration are stored by 257 alone in either case.",
+            "1: a written parameter is stored within 2 s, together with all that parameter 256 stores; 0: \
+             only parameter 256 stores. Only parameter 257 stores device number and calibration in either \
+             case.",
         ),
 ];

@@ -152,11 +152,11 @@ impl fmt::Display for DescriptionError {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Markup => "markup that no description has",
+            Self::Markup => "markup that a description cannot have",
             Self::Nesting => "elements are not closed in their order",
             Self::TooLong => "a name or value is too long",
             Self::Attribute(name) => return write!(f, "attribute \"{name}\" is missing or wrong"),
-            Self::Format => "a document of another form",
+            Self::Format => "not a description of the known format",
             Self::Gap => "a part before it is missing",
             Self::Incomplete => "the end is missing",
         })

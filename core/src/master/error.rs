@@ -94,7 +94,7 @@ impl fmt::Display for NotTaken {
 impl fmt::Display for DownloadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoAnswer => f.write_str("nothing comes from the drive, or nothing more"),
+            Self::NoAnswer => f.write_str("the drive sends no data, or has stopped sending"),
             Self::Refused(refusal) => refusal.fmt(f),
             Self::NoLog => f.write_str("there is no log memory"),
             Self::Spoiled { record } => write!(f, "record {record} of the log has a wrong number or CRC"),

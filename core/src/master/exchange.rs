@@ -12,6 +12,8 @@ const STORE_ATTEMPTS: u8 = 100;
 pub(super) enum Owner {
     /// The caller.
     Request,
+    /// The job.
+    Job,
     /// The download.
     Download,
     /// Reading in the background.

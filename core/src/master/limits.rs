@@ -113,7 +113,7 @@ impl fmt::Display for SpeedError {
         write!(f, "speed {rpm} rpm")?;
         if let Some(parameter) = self.limit().parameter.and_then(Dictionary::row) {
             let side = match (self.is_fixed(), self.limit() == max) {
-                (true, _) => "not",
+                (true, _) => "not equal to",
                 (false, true) => "above",
                 (false, false) => "below",
             };

@@ -3,8 +3,8 @@
 //!
 //! ```text
 //!                                      +--------+ <-- start, stop, set_speed, shut_down
-//!  frames, time ---- handle_frame ---> | Master | <-- request, download
-//!  frames <--- poll_frame <-- time --- |        | --> poll_answer, poll_chunk, poll_download
+//!  frames, time ---- handle_frame ---> | Master | <-- request, begin, download
+//!  frames <--- poll_frame <-- time --- |        | --> poll_answer, poll_job, poll_chunk, poll_download
 //!                                      +--------+ --> report, measurements, parameters: what was heard, and when
 //! ```
 //!
@@ -13,9 +13,9 @@
 //! answers one frame at most.
 //!
 //! Messages are sent by priority: set-point and request word, then requests of the caller in their order,
-//! then the download, then reading of parameters in the background. One message is under way at a time, so
-//! that each answer belongs to its message. An answer that arrives after the time-out, or twice, may be taken
-//! for the answer to the next message on the same parameter.
+//! then those of the job, then the download, then reading of parameters in the background. One message is
+//! under way at a time, so that each answer belongs to its message. An answer that arrives after the
+//! time-out, or twice, may be taken for the answer to the next message on the same parameter.
 //!
 //! [`eddycan`] is the master of a TX-Driver.
 
@@ -27,6 +27,7 @@ mod draft;
 pub mod eddycan;
 mod error;
 mod exchange;
+mod job;
 mod limits;
 mod markup;
 mod measurements;
@@ -43,6 +44,7 @@ mod waiting;
 pub use described::{DescriptionError, DescriptionReader, Reason};
 pub use download::{Chunk, Download, Progress};
 pub use error::{DownloadError, NotTaken, Refusal, RequestError};
+pub use job::{Job, JobError};
 pub use limits::{SpeedError, SpeedLimit, SpeedLimits};
 pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
@@ -55,15 +57,19 @@ pub use update::{Image, PACE, UpdateError, UpdateProgress, UpdateStage};
 use crate::bus::Frame;
 use crate::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, ToDrive};
 use crate::dictionary::number;
+use crate::motor::guard::fault::FaultWord;
 use crate::motor::machine::state::State;
 use commands::Commands;
 use download::Transfer;
 use exchange::{Exchange, Owner, Step};
+use job::{Command, Jobs, View};
 use parameters::Reader;
 use requests::{Requests, Todo};
 
 /// Shortest period and time-out, microseconds: three frames of the longest kind.
 const SHORTEST: u64 = 1000;
+/// Period in which a job looks at the drive, microseconds.
+const LOOK: u64 = 5000;
 
 /// Configuration of a master. Times are in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +113,7 @@ pub struct Master {
     config: Config,
     commands: Commands,
     requests: Requests,
+    jobs: Jobs,
     transfer: Transfer,
     reader: Reader,
     exchange: Exchange,
@@ -128,6 +135,7 @@ impl Master {
             config: Config { setpoint_period, timeout, lost_after, ..config },
             commands: Commands::default(),
             requests: Requests::default(),
+            jobs: Jobs::default(),
             transfer: Transfer::default(),
             reader: Reader::default(),
             exchange: Exchange::default(),
@@ -200,8 +208,14 @@ impl Master {
 
     /// Requests a start at a speed, mechanical rpm, negative in reverse (Drive or Reverse of the request
     /// word). A drive accepts a start only if it received Standby since it last stopped: call
-    /// [`Master::stop`] first.
+    /// [`Master::stop`] first, or begin a [`Job::Start`], which does. Ends a job, but a
+    /// [`Job::AwaitStart`].
     pub fn start(&mut self, rpm: i32) {
+        self.jobs.start_requested();
+        self.turn(rpm);
+    }
+
+    fn turn(&mut self, rpm: i32) {
         let mode = if rpm < 0 { MotorMode::Reverse } else { MotorMode::Drive };
         self.commands.set_speed(rpm.unsigned_abs().min(u32::from(u16::MAX)) as u16);
         self.commands.request(mode);
@@ -210,16 +224,21 @@ impl Master {
     /// Requests another speed in the same direction, rpm. The drive answers with the speed that it accepts:
     /// [`Report::accepted_speed`].
     pub fn set_speed(&mut self, rpm: u16) {
-        self.commands.set_speed(rpm);
+        match self.jobs.pending_speed() {
+            Some(pending) => *pending = pending.signum() * i32::from(rpm),
+            None => self.commands.set_speed(rpm),
+        }
     }
 
-    /// Requests Standby, which also acknowledges a fault.
+    /// Requests Standby, which also acknowledges a fault. Ends a job.
     pub fn stop(&mut self) {
+        self.jobs.abort();
         self.commands.request(MotorMode::Standby);
     }
 
-    /// Requests a shutdown (motor mode 3): fault bit 28.
+    /// Requests a shutdown (motor mode 3): fault bit 28. Ends a job.
     pub fn shut_down(&mut self) {
+        self.jobs.abort();
         self.commands.request(MotorMode::Fault);
     }
 
@@ -231,6 +250,60 @@ impl Master {
     /// Magnitude of the set-point, rpm.
     pub const fn setpoint(&self) -> u16 {
         self.commands.speed()
+    }
+}
+
+/// Jobs, one at a time.
+impl Master {
+    /// Begins a job; one that is under way ends without a result.
+    ///
+    /// # Errors
+    /// A silent master.
+    pub fn begin(&mut self, job: Job) -> Result<(), NotTaken> {
+        if self.config.silent {
+            return Err(NotTaken::Silent);
+        }
+        self.jobs.begin(job);
+        Ok(())
+    }
+
+    /// Result of the job, once it has ended.
+    pub fn poll_job(&mut self) -> Option<Result<(), JobError>> {
+        self.jobs.poll_end()
+    }
+
+    /// Returns whether a job is under way.
+    pub const fn is_at_work(&self) -> bool {
+        self.jobs.is_running()
+    }
+
+    /// Returns whether a start waits until the drive accepts it.
+    pub fn is_start_pending(&mut self) -> bool {
+        self.jobs.pending_speed().is_some()
+    }
+
+    /// The drive as a job sees it.
+    fn view(&self) -> View {
+        View {
+            state: self.state(),
+            mode: self.report.status.map(|status| status.value.mode),
+            requested: matches!(self.requested(), Some(MotorMode::Drive | MotorMode::Reverse)),
+            faults: self.report.faults.map_or_else(FaultWord::empty, |faults| faults.value),
+            period: self.config.setpoint_period,
+        }
+    }
+
+    /// Lets the job look at the drive, and gives its command.
+    fn work(&mut self, now: u64) {
+        if !self.jobs.is_running() {
+            return;
+        }
+        let view = self.view();
+        match self.jobs.look(&view, now) {
+            Some(Command::Standby) => self.commands.request(MotorMode::Standby),
+            Some(Command::Turn(rpm)) => self.turn(rpm),
+            None => {}
+        }
     }
 }
 
@@ -364,6 +437,7 @@ impl Master {
         if self.config.silent {
             return None;
         }
+        self.work(now);
         let message = self.commands.poll(now, self.config.setpoint_period);
         let message = message.or_else(|| self.poll_message(now));
         #[cfg(feature = "update")]
@@ -394,6 +468,7 @@ impl Master {
         };
         #[cfg(feature = "update")]
         let next = next.min(self.update.due());
+        let next = if self.jobs.is_running() { next.min(now.saturating_add(LOOK)) } else { next };
         next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
     }
 
@@ -420,6 +495,9 @@ impl Master {
         if let Some(todo) = self.requests.next() {
             return Some((Owner::Request, todo));
         }
+        if let Some(todo) = self.jobs.next() {
+            return Some((Owner::Job, todo));
+        }
         if let Some(todo) = self.transfer.next(now) {
             return Some((Owner::Download, todo));
         }
@@ -438,6 +516,10 @@ impl Master {
                 if self.requests.finish(answer) {
                     self.forget_parameters();
                 }
+            }
+            Owner::Job => {
+                let view = self.view();
+                self.jobs.finish(answer, &view, now);
             }
             Owner::Download => self.transfer.finish(answer, now),
             Owner::Reader => self.reader.finish(),

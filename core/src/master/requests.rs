@@ -149,7 +149,7 @@ pub(super) struct Requests(Waiting<Request, Current, Answer>);
 
 /// A request under way.
 #[derive(Clone, Copy, Debug)]
-struct Current {
+pub(super) struct Current {
     request: Request,
     /// Number of its messages that are done.
     step: u8,
@@ -175,7 +175,7 @@ impl Requests {
     pub(super) fn next(&mut self) -> Option<Todo> {
         if self.0.current.is_none() {
             let request = self.0.next()?;
-            self.0.current = Some(Current { request, step: 0, refused: 0 });
+            self.0.current = Some(Current::new(request));
         }
         self.0.current.as_mut().map(Current::next)
     }
@@ -196,7 +196,12 @@ impl Requests {
 }
 
 impl Current {
-    fn next(&mut self) -> Todo {
+    pub(super) const fn new(request: Request) -> Self {
+        Self { request, step: 0, refused: 0 }
+    }
+
+    /// Returns the next message, once the one before has its answer.
+    pub(super) fn next(&mut self) -> Todo {
         let Self { request, step, .. } = *self;
         if let Some(message) = request.unanswered() {
             if step == 1 {
@@ -217,7 +222,7 @@ impl Current {
     }
 
     /// Returns the result of the whole request; `None` if it has more messages.
-    fn finish(&mut self, answer: &FromDrive) -> Option<Result<i32, RequestError>> {
+    pub(super) fn finish(&mut self, answer: &FromDrive) -> Option<Result<i32, RequestError>> {
         let FromDrive::Parameter { number, value, status } = *answer else { return Some(Ok(0)) };
         if self.request.unanswered().is_some() {
             // A drive without this counter answers 0 both times.

@@ -194,7 +194,7 @@ pub(super) struct UnderWay {
 impl fmt::Display for UpdateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoAnswer => f.write_str("the drive does not answer; one without a bootloader never does"),
+            Self::NoAnswer => f.write_str("the drive does not answer; it may have no bootloader"),
             Self::Silent => f.write_str("the drive has stopped answering"),
             Self::Hardware { image, drive } => {
                 write!(f, "the image is for hardware {image:08X}h, the drive is {drive:08X}h")
@@ -203,11 +203,11 @@ impl fmt::Display for UpdateError {
                 write!(f, "the image has {length} bytes, the drive has room for {room}")
             }
             Self::Older { image, running } => {
-                write!(f, "the image is version {image}, older than the {running} that runs")
+                write!(f, "the image is version {image}, older than the running version {running}")
             }
             Self::Refused(code) => code.fmt(f),
             Self::Forgotten => f.write_str("the drive has restarted before the image was complete"),
-            Self::OtherVersion(running) => write!(f, "after the restart version {running} runs"),
+            Self::OtherVersion(running) => write!(f, "version {running} runs after the restart"),
             Self::Aborted => f.write_str("the update was aborted"),
         }
     }

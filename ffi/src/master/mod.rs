@@ -1,12 +1,14 @@
 //! Master of one drive.
 
 mod download;
+mod job;
 mod requests;
 
 pub use download::{
     narx_chunk_t, narx_download_kind_t, narx_master_abort_download, narx_master_download,
     narx_master_poll_chunk, narx_master_poll_download,
 };
+pub use job::{narx_job_failure_t, narx_job_kind_t, narx_master_begin, narx_master_poll_job};
 pub use requests::{
     narx_answer_t, narx_master_poll_answer, narx_master_request, narx_request_kind_t, narx_request_t,
 };
@@ -20,7 +22,7 @@ use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
 use narx_core::master::{Config, Heard, Master, SpeedLimit, SpeedLimits};
 
 /// 64-bit words of a master on any processor.
-pub const NARX_MASTER_WORDS: usize = 528;
+pub const NARX_MASTER_WORDS: usize = 544;
 
 /// The master of one drive: memory that the caller owns. Its content is private to the library; it may be
 /// copied and moved between calls. Calls for one master must not interrupt each other; different masters
@@ -163,10 +165,11 @@ pub unsafe extern "C" fn narx_master_next_poll(
 }
 
 /// Requests a start at a speed, mechanical rpm, negative in reverse, and repeats the request every period. A
-/// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first.
-/// Returns NARX_ERROR_SPEED for a speed outside the limits of narx_master_speed_limits, or, before they were
-/// heard, outside the range of MOTOR_CMD. Open loop runs at parameter 88, whatever speed is requested.
-/// `accepted_speed` of narx_master_report is the speed that the drive uses.
+/// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first, or
+/// use narx_master_begin, which does so and reports the result. Returns NARX_ERROR_SPEED for a speed outside
+/// the limits of narx_master_speed_limits, or, before these were received, outside the range of MOTOR_CMD.
+/// Open loop runs at parameter 88, whatever speed is requested. `accepted_speed` of narx_master_report is the
+/// speed that the drive uses.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_start(master: *mut narx_master_t, rpm: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.

@@ -128,7 +128,9 @@ impl Header {
 impl fmt::Display for HeaderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { length, wanted } => write!(f, "{length} bytes of an image of {wanted}"),
+            Self::File { length, wanted } => {
+                write!(f, "the file has {length} bytes; the image needs {wanted}")
+            }
             Self::Magic => f.write_str("not an image: it does not begin with NARXIMG"),
             Self::Format(format) => write!(f, "format {format}, only {FORMAT} is known"),
             Self::Length(length) => {

@@ -31,7 +31,7 @@ fn errors() {
         (&ImageError::TooLong(1512), "1512 bytes do not fit the slot"),
         (&ImageError::Signature, "the signature is not that of its bytes by the board's key"),
         (&ImageError::Older(version(1, 0, 0, 7)), "version 1.0.0+7 is older than the one that runs"),
-        (&HeaderError::File { length: 3, wanted: 512 }, "3 bytes of an image of 512"),
+        (&HeaderError::File { length: 3, wanted: 512 }, "the file has 3 bytes; the image needs 512"),
         (&HeaderError::Format(2), "format 2, only 1 is known"),
         (&HeaderError::Length(12), "a body of 12 bytes: not a multiple of 8 from 8 on"),
         (&HeaderError::Magic, "not an image: it does not begin with NARXIMG"),

@@ -1,7 +1,7 @@
 //! Counts the instructions of every `Drive::step` in recordings: `count FILE... [--running FILE...]`, under
 //! `-icount shift=7`.
 //!
-//! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NUMBER TICKS TOTAL WORST` for every
+//! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NAME TICKS TOTAL WORST` for every
 //! state (Table 6) over all files, and `bracket N`, what the measurement cost itself and was taken off. A
 //! tick counts for the state in which it ends. Steps that answer anything else than what was recorded are not
 //! counted: cheaper must mean the same bits.
@@ -102,8 +102,8 @@ mod image {
                 }
             }
         }
-        for (number, sum) in states.iter().enumerate().filter(|(_, sum)| sum.ticks > 0) {
-            hprintln!("state {} {}", number, sum);
+        for (state, sum) in State::ALL.iter().zip(&states).filter(|(_, sum)| sum.ticks > 0) {
+            hprintln!("state {:?} {}", state, sum);
         }
         let device =
             size_of::<Queues<'_>>() + size_of::<ControlTick<'_, '_>>() + size_of::<Background<'_, '_>>();

@@ -4,5 +4,6 @@
 #![forbid(unsafe_code)]
 
 pub mod can_log;
+pub mod csv;
 pub mod parallel;
 pub mod serve;

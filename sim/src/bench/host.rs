@@ -68,6 +68,6 @@ impl Bench {
 
     /// Frames that the drive's controller has lost because nobody took them.
     pub fn overruns(&self) -> u32 {
-        self.bus.overruns(self.device)
+        self.bus.overruns(self.own)
     }
 }

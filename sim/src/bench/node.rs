@@ -2,6 +2,7 @@
 
 use core::ops::Deref;
 use narx_core::bus::{BusState, Frame};
+use narx_core::device::DeviceNode;
 use narx_core::motor::machine::event::{Event, Health, Status};
 #[cfg(feature = "update")]
 use narx_core::node::update;
@@ -79,11 +80,6 @@ impl BenchNode {
         self.node.attach_storage(opened);
     }
 
-    pub(crate) fn handle_status(&mut self, status: Status) {
-        told!(self, NodeCall::Status(status));
-        self.node.handle_status(status);
-    }
-
     pub(crate) fn handle_frame(&mut self, frame: &Frame) {
         told!(self, NodeCall::Frame(*frame));
         self.node.handle_frame(frame);
@@ -109,23 +105,9 @@ impl BenchNode {
         self.node.handle_health(health);
     }
 
-    pub(crate) fn handle_scope(&mut self, report: scope::Report) {
-        told!(self, NodeCall::Scope(report));
-        self.node.handle_scope(report);
-    }
-
     pub(crate) fn handle_storage(&mut self, report: storage::Report) {
         told!(self, NodeCall::Storage(report.clone()));
         self.node.handle_storage(report);
-    }
-
-    pub(crate) fn poll(&mut self, now: u64) {
-        #[cfg(feature = "transcripts")]
-        self.note(|notes| {
-            let before = core::mem::replace(&mut notes.now, now);
-            notes.transcriber.told(NodeCall::Poll(now.wrapping_sub(before)))
-        });
-        self.node.poll(now);
     }
 
     pub(crate) fn poll_frame(&mut self) -> Option<Frame> {
@@ -136,16 +118,8 @@ impl BenchNode {
         asked!(self, PollBulkFrame, self.node.poll_bulk_frame())
     }
 
-    pub(crate) fn poll_event(&mut self) -> Option<Event> {
-        asked!(self, PollEvent, self.node.poll_event())
-    }
-
     pub(crate) fn poll_storage(&mut self) -> Option<storage::Request> {
         asked!(self, PollStorage, self.node.poll_storage())
-    }
-
-    pub(crate) fn poll_scope(&mut self) -> Option<scope::Request> {
-        asked!(self, PollScope, self.node.poll_scope())
     }
 
     pub(crate) fn poll_action(&mut self) -> Option<Action> {
@@ -178,6 +152,39 @@ impl BenchNode {
     #[cfg(feature = "update")]
     pub(crate) fn poll_update(&mut self) -> Option<update::Request> {
         asked!(self, PollUpdate, self.node.poll_update())
+    }
+}
+
+impl DeviceNode for BenchNode {
+    fn handle_status(&mut self, status: Status) {
+        told!(self, NodeCall::Status(status));
+        self.node.handle_status(status);
+    }
+
+    fn takes_scope_report(&self) -> bool {
+        self.node.takes_scope_report()
+    }
+
+    fn handle_scope(&mut self, report: scope::Report) {
+        told!(self, NodeCall::Scope(report));
+        self.node.handle_scope(report);
+    }
+
+    fn poll(&mut self, now: u64) {
+        #[cfg(feature = "transcripts")]
+        self.note(|notes| {
+            let before = core::mem::replace(&mut notes.now, now);
+            notes.transcriber.told(NodeCall::Poll(now.wrapping_sub(before)))
+        });
+        self.node.poll(now);
+    }
+
+    fn poll_event(&mut self) -> Option<Event> {
+        asked!(self, PollEvent, self.node.poll_event())
+    }
+
+    fn poll_scope(&mut self) -> Option<scope::Request> {
+        asked!(self, PollScope, self.node.poll_scope())
     }
 }
 

@@ -82,10 +82,10 @@ impl Bench {
     }
 
     fn row(&self, seen: &Observation, command: &PwmCommand, hall: u8) -> [f64; SIGNALS.len()] {
-        let status = self.node.status();
-        let (crossing, margin, _) = self.drive.crossing();
+        let status = self.node().status();
+        let (crossing, margin, _) = self.device.drive().crossing();
         let turns = seen.electrical_turns - libm::floor(seen.electrical_turns);
-        let estimated = if self.node.parameters().raw(number::HALL_ENABLE) == 1 {
+        let estimated = if self.node().parameters().raw(number::HALL_ENABLE) == 1 {
             status.speed_hall
         } else {
             status.speed_sensorless
@@ -95,7 +95,7 @@ impl Bench {
             self.rpm(status.setpoint),
             seen.speed * 60.0 / core::f64::consts::TAU,
             self.rpm(estimated),
-            f64::from(self.drive.state() as u8),
+            f64::from(self.device.drive().state() as u8),
             f64::from(sector_of(ElectricalAngle((turns * 65_536.0) as u16))),
             f64::from(command.duty.to_bits()) / 32_768.0,
             seen.current[0],
@@ -110,7 +110,7 @@ impl Bench {
             turns * 360.0,
             f64::from(hall),
             f64::from(command.step as u8),
-            f64::from(self.drive.limiter() as u8),
+            f64::from(self.device.drive().limiter() as u8),
             f64::from(status.faults.bits()),
             seen.angle,
             seen.ledger.source,

@@ -44,11 +44,11 @@ impl fmt::Display for SpeedLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Voltage => "the supply voltage allows no more",
-            Self::PeakCurrent => "the current ripple leaves no more duty below the 12 A peak",
-            Self::Ticks => "faster, a sector has less than two control ticks",
-            Self::Samples => "faster, a sector has less than four samples of back-EMF",
-            Self::Reported => "messages carry no faster measured speed",
-            Self::Asked => "no more was asked for",
+            Self::PeakCurrent => "the current ripple allows no larger duty below the 12 A peak",
+            Self::Ticks => "above that, a sector has fewer than two control ticks",
+            Self::Samples => "above that, a sector has fewer than four samples of back-EMF",
+            Self::Reported => "messages cannot carry a higher measured speed",
+            Self::Asked => "no higher speed was requested",
         })
     }
 }

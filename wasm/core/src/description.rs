@@ -55,7 +55,7 @@ impl Tables {
         // Counting does not fail. Bytes that are no text fail the CRC check.
         let _ = measure.write_str(core::str::from_utf8(text).unwrap_or_default());
         if check != 0 && measure.check() != check {
-            return Err(error(&"description: its CRC is not the one that the drive tells"));
+            return Err(error(&"description: its CRC differs from the one that the drive reports"));
         }
         for (place, byte) in text.iter().enumerate() {
             match reader.handle_byte(*byte).map_err(|refused| error(&refused))? {

@@ -104,7 +104,7 @@ export interface Progress {
 
 const OPTIONS: [&str; 6] = ["slave", "monitor", "setpointPeriod", "silent", "readParameters", "timeout"];
 /// Largest set-point of MOTOR_CMD.
-const RPM_MAX: f64 = u16::MAX as f64;
+pub(crate) const RPM_MAX: f64 = u16::MAX as f64;
 
 /// The master of a drive, at the other end of its bus. It has no clock and no bus of its own. Times are
 /// seconds from any beginning and never decrease. Pass it every frame that arrives, and send the frames of

@@ -2,10 +2,10 @@
 
 use crate::description;
 use crate::dictionary::choice;
-use crate::master::Master;
+use crate::master::{Master, RPM_MAX};
 use js_sys::{Error, Object};
 use narx_core::bus::narmotion::{DigitalOutputs, ParameterStatus};
-use narx_core::master::{Answer, DownloadError, Refusal, Request, RequestError};
+use narx_core::master::{Answer, DownloadError, Job, JobError, Refusal, Request, RequestError};
 use narx_sim::engineering::Misfit;
 use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::options::{Options, set};
@@ -15,10 +15,14 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 /** An `Error` of a master. Its `name` tells the kind: no answer, a refusal by the drive or this master in its
- * present state, a parameter value that is not allowed, or an image that is invalid for this drive. */
+ * present state, a parameter value that is not allowed, an image that is invalid for this drive, or a start that failed. */
 export interface MasterError extends Error {
-    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
+    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError" | "StartError";
 }
+
+/** A conversation of several messages: a start, which ends when the motor is in the loop of its mode; a hall
+ * calibration, which ends when the motor is at rest again; a reboot, which ends when the drive is ready. */
+export type JobName = "start" | "calibrate hall" | "reboot";
 
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
  * error. */
@@ -35,6 +39,11 @@ export interface Outputs {
 pub(crate) const NO_ANSWER: &str = "NoAnswerError";
 pub(crate) const REFUSED: &str = "RefusedError";
 pub(crate) const PARAMETER: &str = "ParameterError";
+const START: &str = "StartError";
+
+/// Jobs without arguments, by their names.
+const JOBS: [(&str, Job); 3] =
+    [("start", Job::Start { rpm: 0 }), ("calibrate hall", Job::CalibrateHall), ("reboot", Job::Reboot)];
 
 #[wasm_bindgen]
 impl Master {
@@ -46,6 +55,34 @@ impl Master {
     ) -> Result<(), JsValue> {
         let request = choice("request", what, &Request::NAMED)?;
         self.take(request)
+    }
+
+    /// Begins a job; one that is under way ends without a result. `rpm`: speed of a start, negative in
+    /// reverse. Throws a `MasterError` for a silent master.
+    pub fn begin(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "JobName")] job: &JsValue,
+        rpm: Option<f64>,
+    ) -> Result<(), JsValue> {
+        let job = match choice("job", job, &JOBS)? {
+            Job::Start { .. } => {
+                Job::Start { rpm: whole("start", rpm.unwrap_or(f64::NAN), -RPM_MAX, RPM_MAX)? as i32 }
+            }
+            job => job,
+        };
+        self.core.begin(job).map_err(|refused| thrown(REFUSED, &refused))
+    }
+
+    /// Returns whether the job has ended in success. Throws a `MasterError` for one that has failed.
+    #[wasm_bindgen(js_name = pollJob)]
+    pub fn poll_job(&mut self) -> Result<bool, JsValue> {
+        self.core.poll_job().transpose().map(|end| end.is_some()).map_err(|error| self.job_error(error))
+    }
+
+    /// True while a start waits until the drive accepts it.
+    #[wasm_bindgen(getter, js_name = startPending)]
+    pub fn start_pending(&mut self) -> bool {
+        self.core.is_start_pending()
     }
 
     /// Requests a parameter's value.
@@ -120,6 +157,15 @@ impl Master {
             self.others.insert(number, raw);
         }
         self.value(number, raw)
+    }
+
+    /// Converts the error of a job.
+    fn job_error(&self, error: JobError) -> JsValue {
+        match error {
+            JobError::Request(error) => self.request_error(Request::Reboot, error),
+            JobError::TimedOut { job: Job::Reboot, .. } => thrown(NO_ANSWER, &error),
+            error => thrown(START, &error),
+        }
     }
 
     /// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why

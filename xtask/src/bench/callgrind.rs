@@ -3,7 +3,7 @@
 use super::{Context, tools};
 use crate::callgrind::{Counts, VALGRIND};
 use crate::driven;
-use crate::figures::{Figure, Part};
+use narx_report::figures::{Figure, Part};
 
 /// Counts the instructions in both modes.
 pub(super) fn part(context: &Context<'_>) -> Part {

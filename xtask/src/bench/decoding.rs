@@ -2,8 +2,8 @@
 //! `tests/python/bench_read_log.py`.
 
 use super::{Context, tools};
-use crate::driven;
-use crate::figures::{Figure, Part};
+use narx_report::figures::{Figure, Part};
+use narx_report::steps;
 use std::path::Path;
 use std::process::Command;
 
@@ -34,7 +34,7 @@ pub(super) fn part(context: &Context<'_>) -> Part {
 fn measure(root: &Path, python: &Path) -> Result<[f64; 3], String> {
     let mut command = Command::new(python);
     command.arg(root.join("tests/python/bench_read_log.py")).env("PYTHONDONTWRITEBYTECODE", "1");
-    figures(&driven::output(&mut command)?)
+    figures(&steps::output(&mut command)?)
 }
 
 /// Parses the three numbers that the program prints first.

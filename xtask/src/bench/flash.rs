@@ -2,8 +2,8 @@
 
 use super::{Context, tools};
 use crate::cross::{self, Processor};
-use crate::figures::{Figure, Part};
 use crate::{qemu, sizes, small};
+use narx_report::figures::{Figure, Part};
 
 /// Parts of the library that are in the table; `tests/golden/ffi_sizes.toml` has all of them.
 const PARTS: [(&str, &str); 5] = [

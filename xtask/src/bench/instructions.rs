@@ -2,9 +2,9 @@
 //! in C and other people's control, and memory.
 
 use super::{Context, tools};
-use crate::figures::{Figure, Part};
 use crate::instructions::Counted;
-use crate::{cross, driven, firmware, floor, others, qemu};
+use crate::{cross, firmware, others, qemu};
+use narx_report::figures::{Figure, Part};
 
 /// Goals for a motor in steady running: the mean with hall sensors, and mean and maximum without.
 const HALL: f64 = 250.0;
@@ -44,7 +44,7 @@ fn figures(counted: &Counted) -> Vec<Figure> {
                 .note("a motor that just runs"),
             worst_goal.map_or_else(|| most.clone(), |goal| most.clone().at_most(goal)),
             Figure::new(format!("the floor by hand in C, {mode}, average"), floor, UNIT)
-                .note(format!("xtask/floor/tick.c, {}", counted.compiler)),
+                .note(format!("lab/floor/tick.c, {}", counted.compiler)),
             Figure::new(format!("control tick, {mode}, times the floor"), ours / floor, ""),
         ]);
     }
@@ -62,16 +62,9 @@ fn figures(counted: &Counted) -> Vec<Figure> {
     figures
 }
 
-/// Checks that the floor drives a motor, and counts other crates.
+/// Counts other crates.
 fn compared(context: &Context<'_>) -> Part {
     let mut part = Part::default();
-    for mode in driven::MODES {
-        let name = format!("the floor drives the simulated motor, {mode}, off its set-point");
-        let off =
-            floor::turn(context.root, mode).map(|turned| 100.0 * (turned.rpm / turned.target - 1.0).abs());
-        part.figures.push(Figure::new(name, off.as_ref().copied().unwrap_or(f64::NAN), "%").at_most(2.0));
-        part.failures.extend(off.err());
-    }
     match others::count(context.root) {
         Ok(rows) => part.figures.extend(rows.into_iter().map(|row| {
             Figure::new(format!("one call of {}, average", row.name), row.average, UNIT)

@@ -1,165 +1,127 @@
-//! Promises and costs of narx: one table, each figure with its unit, its goal and the command that measures
-//! it again. Everything simulated has a seed; a failure is printed with the command that runs it again.
+//! The table of promises and costs: the promises are measured by narx-lab; what they cost, and how fast the
+//! tools are, needs compilers, an emulator, Python or Node, and is measured here.
 
 mod callgrind;
-mod case;
 mod decoding;
-mod efficiency;
-mod faults;
 mod flash;
 mod instructions;
-pub(crate) mod load_step;
-mod operating;
 mod page;
-pub(crate) mod picture;
 mod python;
-mod range;
-mod scope;
 mod speed;
-mod start;
-mod starts;
-mod steady;
-mod sweep;
 mod tools;
-mod top_speed;
-mod trial;
 
-pub use narx_host::parallel::map;
-pub use operating::{Figures, Point};
-pub use speed::command as speed;
-pub use start::{Ending, Start};
-
-use crate::figures::{self, Part, Report};
+use crate::programs::LAB;
 use clap::Args;
+use narx_report::figures::{self, Part, Report};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Number of random plants to start
     #[arg(long, default_value_t = 10_000)]
-    pub runs: u64,
+    runs: u64,
     /// Series of random plants; series S begins at seed S x 1 000 000
     #[arg(long, default_value_t = 0)]
-    pub seed: u64,
+    seed: u64,
     /// Run one random plant again, by its seed, and write its run.svg, run.csv and run.narxrec
     #[arg(long)]
-    pub case: Option<u64>,
+    case: Option<u64>,
     /// Measure these parts only, separated by commas; the figures of the others stay in the file
     #[arg(long, value_delimiter = ',', value_parser = names())]
-    pub only: Vec<String>,
+    only: Vec<String>,
     /// Install what is missing (emulator, C compilers, valgrind, Python and npm packages); without this,
     /// parts that need it are left out, with a message
     #[arg(long)]
-    pub all: bool,
+    all: bool,
     /// Folder for bench.json and starts.svg
     #[arg(long, default_value = "target")]
-    pub out: PathBuf,
+    out: PathBuf,
 }
 
 fn names() -> clap::builder::PossibleValuesParser {
-    PARTS.map(|(name, _)| name).into()
+    PROMISES.into_iter().chain(PARTS.map(|(name, _)| name)).collect::<Vec<_>>().into()
 }
 
-/// Inputs of a part's measurement.
+/// Parts that narx-lab measures, on the bench alone.
+const PROMISES: [&str; 11] = [
+    "start",
+    "soon",
+    "steady",
+    "load-step",
+    "top-speed",
+    "range",
+    "efficiency",
+    "faults",
+    "sweep",
+    "scope",
+    "floor",
+];
+
+/// Folder of the working copy, and whether missing tools may be installed.
 pub(crate) struct Context<'a> {
-    /// Folder of the working copy.
     root: &'a Path,
-    /// Seeds of the random plants.
-    cases: Vec<u64>,
-    /// Missing tools may be installed.
     all: bool,
-    /// Folder for pictures.
-    out: &'a Path,
 }
 
 type Measure = fn(&Context<'_>) -> Part;
 
-/// All parts in the order of the table: promises of control, cost of a tick, speed of the tools.
-const PARTS: [(&str, Measure); 17] = [
-    ("start", starts::part),
-    ("soon", starts::nominal),
-    ("steady", steady::part),
-    ("load-step", load_step::part),
-    ("top-speed", top_speed::part),
-    ("range", range::part),
-    ("efficiency", efficiency::part),
-    ("faults", faults::part),
+/// Parts that are measured here: cost of a tick, speed of the tools.
+const PARTS: [(&str, Measure); 7] = [
     ("instructions", instructions::part),
     ("flash", flash::part),
     ("callgrind", callgrind::part),
     ("simulation", speed::part),
-    ("sweep", sweep::part),
     ("python", python::part),
     ("logs", decoding::part),
-    ("scope", scope::part),
     ("page", page::part),
 ];
 
-/// Names of all parts, in their order.
-pub fn parts() -> Vec<&'static str> {
-    PARTS.iter().map(|(name, _)| *name).collect()
-}
-
-/// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.
-pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
-    if let Some(seed) = arguments.case {
-        return match case::replay(seed, &arguments.out.join(format!("case-{seed}"))) {
-            Ok(true) => ExitCode::SUCCESS,
-            Ok(false) => ExitCode::FAILURE,
-            Err(error) => {
-                eprintln!("{}: {error}", arguments.out.display());
-                ExitCode::FAILURE
-            }
-        };
-    }
-    match run(root, arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
+/// Measures, prints the tables and writes `bench.json`; fails if a goal is missed.
+pub(crate) fn run(root: &Path, arguments: &Arguments) -> Result<Vec<String>, String> {
+    let chosen = |name: &str| arguments.only.is_empty() || arguments.only.iter().any(|only| only == name);
+    let promises = PROMISES.into_iter().filter(|name| chosen(name)).collect::<Vec<_>>().join(",");
+    let kept = if promises.is_empty() && arguments.case.is_none() {
+        Ok(Vec::new())
+    } else {
+        let mut call: Vec<OsString> = vec!["promises".into(), "--out".into(), (&arguments.out).into()];
+        let mut option = |name: &str, value: String| call.extend([name.into(), value.into()]);
+        option("--runs", arguments.runs.to_string());
+        option("--seed", arguments.seed.to_string());
+        match arguments.case {
+            Some(case) => option("--case", case.to_string()),
+            None => option("--only", promises),
         }
+        LAB.run(root, &call)
+    };
+    if arguments.case.is_some() {
+        return kept.map(|_| Vec::new());
     }
-}
-
-/// Measures the parts; returns true if no goal is missed.
-fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
     let path = arguments.out.join("bench.json");
-    let cases = starts::cases(arguments.seed, arguments.runs);
-    let context = Context { root, cases, all: arguments.all, out: &arguments.out };
+    let context = Context { root, all: arguments.all };
     let mut measured = Vec::new();
-    for (name, measure) in PARTS {
-        if !arguments.only.is_empty() && !arguments.only.iter().any(|only| only == name) {
-            continue;
-        }
+    for (name, measure) in PARTS.into_iter().filter(|(name, _)| chosen(name)) {
         let begun = Instant::now();
         println!("{name} ...");
-        let part = Part { part: name.into(), command: repeat(name, arguments), ..measure(&context) };
+        let command = format!("cargo xtask bench --only {name}");
+        let part = Part { part: name.into(), command, ..measure(&context) };
         println!("  {:.0} s", begun.elapsed().as_secs_f64());
-        // Each part is written as soon as it is measured, beside those that others have written meanwhile:
-        // hours are not lost with one failure.
+        // Each part is written as soon as it is measured: hours are not lost with one failure.
         let mut report = Report::read(&path)?;
         report.machine = figures::machine();
-        report.replace(part.clone(), &parts());
+        report.replace(part.clone());
         report.write(&path)?;
         measured.push(part);
     }
-    println!("\n{}\nwritten to {}", figures::table(&measured), path.display());
-    Ok(measured.iter().all(Part::is_met))
-}
-
-/// Command that measures a part again.
-fn repeat(name: &str, arguments: &Arguments) -> String {
-    let mut text = format!("cargo xtask bench --only {name}");
-    let random = ["start", "steady"].contains(&name);
-    if random && arguments.runs != 10_000 {
-        text += &format!(" --runs {}", arguments.runs);
+    if !measured.is_empty() {
+        println!("\n{}", figures::table(&measured));
     }
-    if random && arguments.seed != 0 {
-        text += &format!(" --seed {}", arguments.seed);
+    kept.map_err(|_| String::from("a promise is missed"))?;
+    if measured.iter().all(Part::is_met) {
+        Ok(vec![format!("written to {}", path.display())])
+    } else {
+        Err("a goal is missed".into())
     }
-    text
 }

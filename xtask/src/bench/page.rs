@@ -2,8 +2,9 @@
 //! are built, and the program `tests/wasm/frame.mjs` runs in Node.
 
 use super::{Context, tools};
-use crate::figures::{Figure, Part};
-use crate::{driven, web};
+use crate::web;
+use narx_report::figures::{Figure, Part};
+use narx_report::steps;
 
 /// Goals, compressed bytes; `tests/wasm/size.test.mjs` holds the present limits.
 const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
@@ -25,7 +26,7 @@ pub(super) fn part(context: &Context<'_>) -> Part {
 fn measure(context: &Context<'_>) -> Result<Part, String> {
     web::package(context.root)?;
     let program = context.root.join("tests/wasm/frame.mjs");
-    let text = driven::output(web::node().arg(program))?;
+    let text = steps::output(web::node().arg(program))?;
     let figure = |key: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().parse::<f64>().ok());
         line.ok_or_else(|| format!("no {key} in: {text}"))

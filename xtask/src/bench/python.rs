@@ -2,8 +2,9 @@
 //! (`python/benches/speed.py`), all in the same run.
 
 use super::{Context, tools};
-use crate::figures::{Figure, Part};
-use crate::{driven, install, steps};
+use crate::{driven, install};
+use narx_report::figures::{Figure, Part};
+use narx_report::steps;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -19,7 +20,7 @@ const OTHERS: [(&str, usize); 3] = [("numba", ROUNDS), ("motulator", 1), ("gym-e
 
 /// Measures the rate in hall and sensorless mode, then the others'.
 pub(super) fn part(context: &Context<'_>) -> Part {
-    let environment = install::target_directory(context.root).join(ENVIRONMENT);
+    let environment = narx_report::target_directory(context.root).join(ENVIRONMENT);
     if let Err(reason) = tools::python_environment(context, &environment) {
         return Part::skipped(reason);
     }
@@ -45,7 +46,7 @@ struct Programs {
 /// Builds the programs, with the package in an environment of its own.
 fn prepare(root: &Path) -> Result<Programs, String> {
     let driven = driven::build(root)?;
-    let (target, benches) = (install::target_directory(root), root.join("python/benches"));
+    let (target, benches) = (narx_report::target_directory(root), root.join("python/benches"));
     let python = install::python_environment(&target.join(ENVIRONMENT), &benches.join("requirements.txt"))?;
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(root.join("python"));
@@ -73,7 +74,7 @@ impl Best {
 
 /// Runs a program; returns the first number that it prints, and the rest.
 fn run(command: &mut Command) -> Result<(f64, String), String> {
-    let text = driven::output(command)?;
+    let text = steps::output(command)?;
     let (first, what) = text.trim().split_once(' ').unwrap_or((text.trim(), ""));
     let rate = first.parse().map_err(|_| format!("no figure in: {text}"))?;
     Ok((rate, what.to_owned()))

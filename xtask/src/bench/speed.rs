@@ -1,12 +1,12 @@
 //! Speed of the bench: simulated seconds per second on one thread, with the real core in the loop, beside a
-//! hand-tuned C loop of a simpler plant (`xtask/floor/plant.c`) in the same run.
+//! hand-tuned C loop of a simpler plant (`lab/floor/plant.c`) in the same run.
 
-use super::{Context, python};
+use super::Context;
 use crate::driven;
-use crate::figures::{self, Figure, Part};
-use crate::install;
+use narx_report::figures::{Figure, Part};
+use narx_report::steps;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// Runs of each program, in turns. Other work of the machine only ever makes a run slower, so the fastest
 /// counts.
@@ -18,16 +18,6 @@ const FLOOR_SECONDS: &str = "10";
 /// Goals: simulated seconds per second, and the ratio to the C loop.
 const RATE_MIN: f64 = 200.0;
 const RATIO_MIN: f64 = 0.6;
-
-/// Measures and prints the rates alone, from Python on request; exit code 1 if a goal is missed.
-pub fn command(root: &Path, from_python: bool) -> ExitCode {
-    let context = Context { root, cases: Vec::new(), all: true, out: Path::new("target") };
-    let measured = if from_python { python::part(&context) } else { part(&context) };
-    let command = format!("cargo xtask speed{}", if from_python { " --python" } else { "" });
-    let part = Part { part: "simulation".into(), command, ..measured };
-    println!("{}", figures::table(std::slice::from_ref(&part)));
-    if part.is_met() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
 
 /// Measures rate and ratio in hall and sensorless mode.
 pub(super) fn part(context: &Context<'_>) -> Part {
@@ -67,7 +57,7 @@ pub(super) fn part(context: &Context<'_>) -> Part {
     }
     if without.is_none() {
         let floor = Figure::new("a C loop with a simpler plant", best_floor, "simulated s/s");
-        figures.push(floor.note("xtask/floor/plant.c"));
+        figures.push(floor.note("lab/floor/plant.c"));
     }
     Part::new(figures, failures)
 }
@@ -81,16 +71,16 @@ fn keep(best: &mut f64, rate: Result<f64, String>, failures: &mut Vec<String>) {
 
 /// Runs a program; returns the first number that it prints.
 fn rate(command: &mut Command) -> Result<f64, String> {
-    let text = driven::output(command)?;
+    let text = steps::output(command)?;
     let first = text.split_whitespace().next().and_then(|word| word.parse().ok());
     first.ok_or_else(|| format!("no figure in: {text}"))
 }
 
 /// Compiles the C loop for this very machine.
 fn compile_floor(root: &Path) -> Result<PathBuf, String> {
-    let program = install::target_directory(root).join("floor");
-    let source = root.join("xtask/floor/plant.c");
+    let program = narx_report::target_directory(root).join("floor");
+    let source = root.join("lab/floor/plant.c");
     let mut compiler = Command::new("cc");
     compiler.args(["-O3", "-march=native", "-o"]).arg(&program).arg(source);
-    driven::output(&mut compiler).map(|_| program)
+    steps::output(&mut compiler).map(|_| program)
 }

@@ -4,9 +4,10 @@
 pub(crate) mod report;
 mod sweep;
 
-use crate::figures;
-use crate::install::{self, Package, target_directory};
-use crate::steps;
+use crate::install::{self, Package};
+use narx_report::figures;
+use narx_report::steps;
+use narx_report::target_directory;
 use report::{Report, Row, total};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -24,7 +25,7 @@ const TIME_MAX: u32 = 20;
 
 /// Targets to fuzz, and the time for each.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Targets to fuzz (files of tests/fuzz/fuzz_targets); without a name all of them
     targets: Vec<String>,
     /// Time for each target
@@ -44,7 +45,7 @@ pub struct Arguments {
 }
 
 /// Runs `cargo xtask fuzz`.
-pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
+pub(crate) fn command(root: &Path, arguments: Arguments) -> ExitCode {
     let file = arguments.out.join("fuzz.json");
     let done =
         if arguments.identifiers { sweep::identifiers(root, &file) } else { fuzz(root, &arguments, &file) };

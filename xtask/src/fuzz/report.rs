@@ -1,6 +1,6 @@
 //! Results of fuzzing, run by run: fuzz.json. Runs add up as long as the code under test is the same.
 
-use crate::figures;
+use narx_report::figures;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::Command;
@@ -91,14 +91,9 @@ impl Report {
         self.sweeps.push(sweep);
         self.sweeps.sort_by(|a, b| (&a.node, a.bits).cmp(&(&b.node, b.bits)));
     }
-
-    /// Sum of all targets; coverage and corpus of different targets do not add up.
-    pub(crate) fn total(&self) -> Row {
-        total(&self.targets)
-    }
 }
 
-/// Sum of all rows.
+/// Sum of all rows; coverage and corpus of different targets do not add up.
 pub(crate) fn total(rows: &[Row]) -> Row {
     let mut all = Row { target: "all".into(), ..Row::default() };
     rows.iter().for_each(|row| all.join(row));
@@ -154,7 +149,7 @@ mod tests {
         pieces.into_iter().for_each(|piece| report.add(piece));
         let slcan = Row { new_inputs: 2, coverage: 500, ..row("slcan", 70, 540, &["two"]) };
         assert_eq!(report.targets, [row("bus", 30, 900, &["one"]), slcan]);
-        let all = report.total();
+        let all = total(&report.targets);
         assert_eq!((all.seconds, all.executions, all.new_inputs), (100, 1440, 3));
         assert_eq!(all.findings, ["one", "two"]);
     }

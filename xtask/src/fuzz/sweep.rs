@@ -2,7 +2,7 @@
 //! tests of `tests/fuzz/tests/identifiers.rs`, including the ignored ones.
 
 use super::report::{self, Report, Sweep};
-use crate::figures;
+use narx_report::figures;
 use std::path::Path;
 use std::process::{Command, Stdio};
 

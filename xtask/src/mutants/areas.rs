@@ -3,31 +3,31 @@
 /// Test programs of a package.
 pub(super) struct Tests {
     /// Name of the package.
-    pub package: &'static str,
+    pub(crate) package: &'static str,
     /// Features that the tests need.
-    pub features: &'static str,
+    pub(crate) features: &'static str,
     /// Names of the programs.
-    pub programs: &'static [&'static str],
+    pub(crate) programs: &'static [&'static str],
     /// Tests to skip: they do not concern the area and take long.
-    pub skip: &'static [&'static str],
+    pub(crate) skip: &'static [&'static str],
     /// Time after which a mutant counts as hung, s: ten times the tests' duration on two busy cores.
-    pub timeout: &'static str,
+    pub(crate) timeout: &'static str,
 }
 
 /// Some files, and the tests that concern them.
 pub(super) struct Area {
     /// Name of the area on the command line.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Description of the area for the page.
-    pub what: &'static str,
+    pub(crate) what: &'static str,
     /// Package that is mutated.
-    pub package: &'static str,
+    pub(crate) package: &'static str,
     /// Files of the package, as globs.
-    pub files: &'static [&'static str],
+    pub(crate) files: &'static [&'static str],
     /// Tests that are run against every mutant: built in seconds.
-    pub quick: Tests,
+    pub(crate) quick: Tests,
     /// Tests that take longer, if there are any; run against the mutants that the quick ones miss.
-    pub long: Option<Tests>,
+    pub(crate) long: Option<Tests>,
 }
 
 const fn quick(programs: &'static [&'static str], features: &'static str) -> Tests {

@@ -8,11 +8,12 @@ mod outcomes;
 mod report;
 mod tree;
 
-pub use report::{Mutant, Report, Row};
+pub(crate) use report::{Report, Row};
 
-use crate::install::{self, target_directory};
-use crate::steps::{self, Outcome};
+use crate::install;
 use areas::{AREAS, Area, Tests};
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use outcomes::{Listed, Summary};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ const VERSION: &str = "27.1.0";
 
 /// Selection of mutants.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Areas to mutate; without a name all of them: machine, boot, storage, narmotion, eddycan
     areas: Vec<String>,
     /// Run a part of an area's mutants: 0/4 is the first quarter
@@ -44,13 +45,8 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Name and description of every area.
-pub fn areas() -> Vec<(&'static str, &'static str)> {
-    AREAS.iter().map(|area| (area.name, area.what)).collect()
-}
-
 /// Runs `cargo xtask mutants`.
-pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(mutate(root, arguments))
 }
 

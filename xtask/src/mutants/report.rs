@@ -2,7 +2,7 @@
 
 use super::areas::Area;
 use super::outcomes::{Listed, Summary};
-use crate::figures;
+use narx_report::figures;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,13 +11,13 @@ use std::path::Path;
 
 /// A change of the code.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Mutant {
+pub(crate) struct Mutant {
     /// File of the change.
-    pub file: String,
+    pub(crate) file: String,
     /// Function that was changed; empty outside of any.
-    pub function: String,
+    pub(crate) function: String,
     /// Description of the change.
-    pub mutation: String,
+    pub(crate) mutation: String,
 }
 
 impl fmt::Display for Mutant {
@@ -33,23 +33,23 @@ impl fmt::Display for Mutant {
 
 /// Results of an area's mutants.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Name of the area.
-    pub area: String,
+    pub(crate) area: String,
     /// Description of the area.
-    pub what: String,
+    pub(crate) what: String,
     /// Number of mutants.
-    pub mutants: usize,
+    pub(crate) mutants: usize,
     /// Number of mutants that were run.
-    pub run: usize,
+    pub(crate) run: usize,
     /// Number for which a test failed.
-    pub caught: usize,
+    pub(crate) caught: usize,
     /// Number for which the tests hung: these count as noticed.
-    pub timeout: usize,
+    pub(crate) timeout: usize,
     /// Number that do not build.
-    pub unviable: usize,
+    pub(crate) unviable: usize,
     /// Mutants for which no test failed.
-    pub missed: Vec<Mutant>,
+    pub(crate) missed: Vec<Mutant>,
 }
 
 impl Row {
@@ -84,9 +84,9 @@ impl fmt::Display for Row {
 
 /// Content of the file.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Rows in the order of the table of areas.
-    pub areas: Vec<Row>,
+    pub(crate) areas: Vec<Row>,
 }
 
 impl Report {
@@ -94,7 +94,7 @@ impl Report {
     ///
     /// # Errors
     /// Fails if the file is missing, or has another content.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
     }

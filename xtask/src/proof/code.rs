@@ -1,6 +1,6 @@
 //! A linked program as its disassembler shows it: functions, their calls, and the stack that each uses.
 
-use crate::driven::output;
+use narx_report::steps::output;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;

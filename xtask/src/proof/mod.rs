@@ -12,8 +12,8 @@ use crate::firmware::{self, Image};
 use crate::install;
 use crate::library::NARX;
 use crate::sizes;
-use crate::steps::{self, Outcome};
 use code::{Code, Function};
+use narx_report::steps::{self, Outcome};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::fs;
@@ -21,7 +21,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// File with the proven properties, and the remaining exceptions.
-pub const GOLDEN: &str = "tests/golden/proof.toml";
+pub(crate) const GOLDEN: &str = "tests/golden/proof.toml";
 const HEAD: &str = "\
 # What is left where a proof ends, by `cargo xtask proof`; compared by `cargo xtask test firmware`. A name stands for all functions of that name.
 #
@@ -44,7 +44,7 @@ const HEAD: &str = "\
 const EXCEPTION_FRAME: u32 = 4 * (8 + 18);
 
 /// Runs `cargo xtask proof [--check]`.
-pub fn command(root: &Path, check: bool) -> ExitCode {
+pub(crate) fn command(root: &Path, check: bool) -> ExitCode {
     let built = firmware::build(root).and_then(|_| regenerate(root, check));
     steps::finish(built)
 }
@@ -54,7 +54,7 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
 ///
 /// # Errors
 /// Fails with a property that does not hold, or that differs from the golden file.
-pub fn regenerate(root: &Path, check: bool) -> Outcome {
+pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     NARX.build(root, Some(Processor::CortexM4F))?;
     let image = Code::read(&Image::Drive.path(root))?;

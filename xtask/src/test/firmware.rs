@@ -1,12 +1,12 @@
 //! Tests of the firmware image.
 
 use crate::board;
+use crate::conformance::{ARGUMENTS, Replayer};
 use crate::firmware::{self, Image};
-use crate::parity::Replayer;
-use crate::steps::{self, Outcome, Step};
 use crate::test::python;
 use crate::test::rust::EMBEDDED;
 use crate::{hangs, instructions, others, proof, qemu, slots, small};
+use narx_report::steps::{self, Outcome, Step};
 use std::path::Path;
 use std::process::Command;
 
@@ -44,7 +44,7 @@ const BOARD_LINTS: [&str; 14] = [
 ];
 
 /// Steps in their order.
-pub fn steps(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::command(root, "shell", "cargo", &["test", "-p", "narx-firmware"]),
         Step::new("emulator", firmware::emulator),
@@ -64,9 +64,8 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
 }
 
 /// Programs that replay recordings, once [`steps`] has built them.
-pub fn replayers(root: &Path) -> Vec<Replayer> {
-    let image = Image::Replay.path(root);
-    vec![Replayer::new("Rust Cortex-M4F", move |arguments| qemu::semihosting(&image, arguments))]
+pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
+    vec![Replayer::new("Rust Cortex-M4F", &qemu::semihosting(&Image::Replay.path(root), &[ARGUMENTS]))]
 }
 
 /// Spins the motor of the real image through python-can.

@@ -1,20 +1,20 @@
 //! Tests of every target, a file each: the tools that it needs, and its steps.
 
-pub mod ffi;
-pub mod firmware;
-pub mod python;
-pub mod rust;
-pub mod wasm;
+pub(crate) mod ffi;
+pub(crate) mod firmware;
+pub(crate) mod python;
+pub(crate) mod rust;
+pub(crate) mod wasm;
 
-use crate::parity::{self, Random};
-use crate::steps::{Step, run_all};
+use crate::conformance;
 use clap::ValueEnum;
+use narx_report::steps::{Step, run_groups};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Targets that can be tested alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Target {
+pub(crate) enum Target {
     /// Formatting, lints, Rust tests, the build without std, and our files in other people's tools
     Rust,
     /// The C library: on this machine and on an emulated Cortex-M4F
@@ -27,23 +27,25 @@ pub enum Target {
     Firmware,
 }
 
-/// Tests one target, or all of them; each ends with the conformance vectors on it.
-pub fn run(root: &Path, target: Option<Target>) -> ExitCode {
+/// Tests one target, or all of them, two side by side; ends with the recordings on every tested target.
+pub(crate) fn run(root: &Path, target: Option<Target>) -> ExitCode {
     let targets: &[Target] = match &target {
         Some(target) => std::slice::from_ref(target),
-        None => Target::value_variants(),
+        None => &ORDER,
     };
-    let mut steps: Vec<Step<'_>> = targets
-        .iter()
-        .flat_map(|target| match target {
-            Target::Rust => rust::steps(root),
-            Target::Ffi => ffi::steps(root),
-            Target::Python => python::steps(root),
-            Target::Wasm => wasm::steps(root),
-            Target::Firmware => firmware::steps(root),
-        })
-        .collect();
-    steps.push(Step::new("parity", || parity::run(root, targets)));
-    steps.push(Step::new("random parity", || parity::run_random(root, targets, Random::default())));
-    run_all(steps)
+    let groups = targets.iter().map(|target| match target {
+        Target::Rust => rust::steps(root),
+        Target::Ffi => ffi::steps(root),
+        Target::Python => python::steps(root),
+        Target::Wasm => wasm::steps(root),
+        Target::Firmware => firmware::steps(root),
+    });
+    let last = vec![
+        Step::new("conformance", || conformance::run(root, targets, &["--vectors"])),
+        Step::new("random recordings", || conformance::run(root, targets, &[] as &[&str])),
+    ];
+    run_groups(groups.collect(), last)
 }
+
+/// Order in which the targets begin: the longest first, so that none is left alone at the end.
+const ORDER: [Target; 5] = [Target::Rust, Target::Python, Target::Firmware, Target::Wasm, Target::Ffi];

@@ -1,14 +1,16 @@
 //! The Python package: installed into an environment of its own, its stubs checked, its tests run.
 
-use crate::install::{self, target_directory};
-use crate::parity::Replayer;
-use crate::steps::{self, Outcome, Step};
+use crate::conformance::{ARGUMENTS, Replayer};
+use crate::install;
+use narx_report::steps::{self, Outcome, Step};
+use narx_report::target_directory;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 use std::{fs, io};
 
 /// Steps in their order.
-pub fn steps(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = docs(root);
     steps.push(Step::new("Python stubs", move || stubs(root)));
     steps.push(Step::new("Python tests", move || {
@@ -18,42 +20,34 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
 }
 
 /// Steps that build the package's reference.
-pub fn docs(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn docs(root: &Path) -> Vec<Step<'_>> {
     vec![
-        Step::new("Python environment", move || environment(root)),
-        Step::new("Python package", move || package(root)),
+        Step::new("Python package", move || prepare(root).map(|_| Vec::new())),
         Step::new("Python reference", move || reference(root)),
     ]
 }
 
 /// Programs that replay recordings, once [`steps`] has built them.
-pub fn replayers(root: &Path) -> Vec<Replayer> {
-    let (python, script) = (python(root), tests(root).join("replay.py"));
-    vec![Replayer::new("Python", move |arguments| {
-        let mut command = Command::new(&python);
-        command.arg(&script).args(arguments);
-        command
-    })]
+pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
+    let mut command = Command::new(python(root));
+    vec![Replayer::new("Python", command.arg(tests(root).join("replay.py")).arg(ARGUMENTS))]
 }
 
-/// Interpreter of an environment with the package in it.
+/// Interpreter of an environment with the package in it, which is installed once in a run: tests of two
+/// targets need it, and may run side by side.
 ///
 /// # Errors
 /// Fails with the message of Python, pip or cargo.
-pub fn prepare(root: &Path) -> Result<PathBuf, String> {
-    environment(root)?;
-    package(root)?;
+pub(crate) fn prepare(root: &Path) -> Result<PathBuf, String> {
+    static INSTALLED: Mutex<bool> = Mutex::new(false);
+    let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);
+    if !*installed {
+        install::python_environment(&directory(root), &tests(root).join("requirements.txt"))?;
+        let pip = ["pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+        module(root, &pip, &[root.join("python")])?;
+        *installed = true;
+    }
     Ok(python(root))
-}
-
-fn environment(root: &Path) -> Outcome {
-    install::python_environment(&directory(root), &tests(root).join("requirements.txt"))?;
-    Ok(Vec::new())
-}
-
-fn package(root: &Path) -> Outcome {
-    let pip = ["pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
-    module(root, &pip, &[root.join("python")])
 }
 
 /// Checks that the stubs match the compiled module, and that package and tests agree with the stubs.

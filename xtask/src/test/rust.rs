@@ -1,15 +1,16 @@
 //! Tests of the core and the bench on this machine, the build for a target without std, and our files in
 //! other people's tools.
 
-use crate::steps::Step;
-use crate::{callgrind, coverage, dbc, eds, install, interop, readme, vectors};
+use crate::programs::{GENERATE, LAB};
+use crate::{callgrind, install, interop};
+use narx_report::steps::Step;
 use std::path::Path;
 
 /// Target of a Cortex-M4 with floating point, as on the boards.
-pub const EMBEDDED: &str = "thumbv7em-none-eabihf";
+pub(crate) const EMBEDDED: &str = "thumbv7em-none-eabihf";
 
 /// Steps in their order.
-pub fn steps(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
         Step::command(
@@ -40,11 +41,8 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         ),
         // Alone, because together with other packages the core gets their features.
         Step::command(root, "without features", "cargo", &["test", "-p", "narx-small"]),
-        Step::new("vectors", move || vectors::regenerate(root, true)),
-        Step::new("coverage", move || coverage::regenerate(root, true)),
-        Step::new("CAN database", move || dbc::regenerate(root, true)),
-        Step::new("EDS", move || eds::regenerate(root, true)),
-        Step::new("pictures", move || readme::regenerate(root, true)),
+        Step::new("vectors", move || LAB.run(root, &["vectors", "--check"])),
+        Step::new("documents", move || GENERATE.run(root, &["documents", "--check"])),
         Step::new("callgrind", move || callgrind::regenerate(root, true)),
         Step::new("interoperability", move || interop::run(root)),
     ]

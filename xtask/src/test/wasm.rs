@@ -1,13 +1,13 @@
 //! Tests of the WebAssembly build, in Node and in Chromium.
 
+use crate::conformance::{ARGUMENTS, Replayer};
 use crate::install::{self, Package};
-use crate::parity::Replayer;
-use crate::steps::{self, Step};
 use crate::web;
+use narx_report::steps::{self, Step};
 use std::path::Path;
 
 /// Steps in their order.
-pub fn steps(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
     steps.push(Step::new("wasm in Node", move || {
@@ -24,14 +24,9 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
 }
 
 /// Programs that replay recordings, once [`steps`] has built them.
-pub fn replayers(root: &Path) -> Vec<Replayer> {
+pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
     let program = |name, script| {
-        let script = root.join("tests/wasm").join(script);
-        Replayer::new(name, move |arguments| {
-            let mut command = web::node();
-            command.arg(&script).args(arguments);
-            command
-        })
+        Replayer::new(name, web::node().arg(root.join("tests/wasm").join(script)).arg(ARGUMENTS))
     };
     vec![program("Node", "replay.mjs"), program("Chromium", "chromium.mjs")]
 }

@@ -256,7 +256,7 @@ impl fmt::Display for ParameterStatus {
         f.write_str(match self {
             Self::Done => "done",
             Self::UnknownNumber => "there is no such parameter",
-            Self::ReadOnly => "the drive alone writes it",
+            Self::ReadOnly => "only the drive writes it",
             Self::OutOfRange => "out of range",
             Self::WrongState => "not in this state of the drive",
             Self::Storage => "the parameter store or log memory is missing, busy or failed",

@@ -296,16 +296,16 @@ impl fmt::Display for UpdateCode {
             Self::NotNow => "not in this state of the update",
             Self::Trial => "the running image has not been confirmed",
             Self::Hardware => "the image is for other hardware",
-            Self::Length => "the image has not the length that was said, or the slot is shorter",
+            Self::Length => "the image does not have the announced length, or exceeds the slot",
             Self::Sequence => "a part of the image is missing",
             Self::Flash => "the flash failed",
-            Self::Checksum => "what the drive has written is not what was sent",
-            Self::NoImage => "what was sent is no image",
+            Self::Checksum => "the data written differ from the data sent",
+            Self::NoImage => "the data sent are not an image",
             Self::Older => "the image is older than the running one",
-            Self::TimedOut => "nothing came for ten seconds",
+            Self::TimedOut => "no data arrived for ten seconds",
             Self::Aborted => "the update was aborted",
-            Self::Signature => "the signature is not one that the board's bootloader believes",
-            Self::Reverted => "the image was not confirmed, and the one before it runs again",
+            Self::Signature => "the board's bootloader does not accept the signature",
+            Self::Reverted => "the image was not confirmed, and the previous one runs again",
         })
     }
 }

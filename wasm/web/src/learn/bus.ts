@@ -39,7 +39,7 @@ const ORDERS = ["ABC", "ACB", "BAC", "BCA", "CAB", "CBA"];
 export const calibration = {
     ask: () => [set(264, 0), set(264, 1)],
     askFound: () => FOUND.map(request),
-    /** Returns the results from the drive's answers, in words; undefined if one is missing. */
+    /** Returns the results from the answers of the drive, as a text; undefined if one is missing. */
     found(frames: Frame[]): string | undefined {
         const [order, polarity, offset] = FOUND.map((number) => frames.map((frame) => answered(frame, number)).find((value) => value !== undefined));
         if (order === undefined || polarity === undefined || offset === undefined) {

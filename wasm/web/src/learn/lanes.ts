@@ -19,7 +19,7 @@ export const BUS_CURRENT: Lane = {
 };
 
 export const BUS_VOLTAGE: Lane = {
-    title: "Bus",
+    title: "Bus voltage",
     unit: "V",
     series: [{ label: "bus voltage", value: "bus_voltage", colour: "--accent" }],
 };
@@ -56,10 +56,10 @@ export const SPEED: Lane = {
 /** Returns whether a zero crossing was accepted in this row. */
 const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
 
-/** Voltage of the floating phase's terminal, relative to half of the bus, with the crossings that the drive
- * has accepted. */
+/** Voltage of the floating phase's terminal, relative to half of the bus voltage, with the crossings that the
+ * drive has accepted. */
 export const FLOATING: Lane = {
-    title: "Floating",
+    title: "Floating phase",
     unit: "V",
     height: 150,
     least: 1,
@@ -69,16 +69,16 @@ export const FLOATING: Lane = {
             value: (read: Read) => (floating(read("step")) === phase ? read(`voltage_${name}`) - read("bus_voltage") / 2 : Number.NaN),
             colour: `--phase-${name}`,
         })),
-        { label: "half of the bus", value: () => 0, colour: "--quiet", dash: [6, 4] },
-        { label: "crossing accepted", value: (read: Read) => (accepted(read) ? 0 : Number.NaN), colour: "--field", points: true },
+        { label: "half of the bus voltage", value: () => 0, colour: "--quiet", dash: [6, 4] },
+        { label: "accepted crossing", value: (read: Read) => (accepted(read) ? 0 : Number.NaN), colour: "--field", points: true },
     ],
 };
 
 /** Limiters of the duty, by the number of the signal `limiter` (parameter 280). */
 export const LIMITERS = [
-    "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew",
-    "no return into the bus", "crossings not seen",
+    "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew rate",
+    "no regeneration into the bus", "crossings not detected",
 ];
 
 /** Outcomes of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
-export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "heard while coasting"];
+export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "detected while coasting"];

@@ -58,7 +58,7 @@ export class Simulation {
         this.#wanted = setup;
         this.#worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => this.#handle(data));
         this.#worker.addEventListener("error", ({ message }) => {
-            this.problem = `The simulation cannot run here: ${message}`;
+            this.problem = `The simulation cannot run in this browser: ${message}`;
         });
         document.addEventListener("visibilitychange", this.#hidden);
         this.#draw();

@@ -11,14 +11,14 @@ export function parse(name: string, text: string): Values {
     try {
         values = JSON.parse(text);
     } catch {
-        throw new Error(`"${name}" is no file of parameters: it is not JSON.`);
+        throw new Error(`"${name}" is not a parameter file: it is not JSON.`);
     }
     if (typeof values !== "object" || values === null || Array.isArray(values)) {
-        throw new Error(`"${name}" is no file of parameters: it must hold one object of names and values.`);
+        throw new Error(`"${name}" is not a parameter file: it must contain one object of names and values.`);
     }
     for (const [parameter, value] of Object.entries(values)) {
         if (typeof value !== "number") {
-            throw new Error(`"${name}" is no file of parameters: "${parameter}" has ${JSON.stringify(value)}, which is no number.`);
+            throw new Error(`"${name}" is not a parameter file: the value of "${parameter}", ${JSON.stringify(value)}, is not a number.`);
         }
     }
     return values as Values;

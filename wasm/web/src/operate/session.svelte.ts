@@ -30,7 +30,7 @@ class Session {
     #wasConnected = false;
     /** Rejects the calls that wait for the present drive. */
     #gone: ((reason: Error) => void) | undefined;
-    #over: Promise<never> = Promise.reject(new Error("there is no connection"));
+    #over: Promise<never> = Promise.reject(new Error("no drive is connected"));
 
     constructor() {
         this.#over.catch(() => undefined);
@@ -83,7 +83,7 @@ class Session {
     disconnect(): void {
         this.#halt();
         this.link?.close();
-        this.#forget("the connection was closed meanwhile");
+        this.#forget("the connection was closed");
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
@@ -114,7 +114,7 @@ class Session {
     /** Returns the result of a task with the drive; rejects when the connection is closed. */
     async run<T>(task: (drive: Drive) => Promise<T>): Promise<T> {
         if (!this.drive || !this.link) {
-            throw new Error("there is no connection");
+            throw new Error("no drive is connected");
         }
         const found = task(this.drive);
         this.pump();
@@ -139,7 +139,7 @@ class Session {
     /** Makes a master at an earlier instant. It receives the frames just before that, and continues to
      * request their set-point. */
     #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): Drive {
-        this.#forget("time has returned to an earlier instant meanwhile");
+        this.#forget("the simulated time has returned to an earlier instant");
         const drive = this.#begin(options);
         this.#opened = time;
         // In pieces, as the frames came, because plots get a point for each piece.

@@ -5,9 +5,9 @@ import { session, words } from "./session.svelte";
 
 /** Consequence of an error for the drive, by the error's name. */
 const MEANING: Partial<Record<string, string>> = {
-    ImageError: "The drive was not touched.",
-    RefusedError: "The drive runs what it ran before.",
-    NoAnswerError: "A drive that was reached runs what it ran before, if it comes back without being confirmed.",
+    ImageError: "The drive was not changed.",
+    RefusedError: "The drive runs its previous firmware.",
+    NoAnswerError: "If the drive was reached and restarts without a confirmation, it runs its previous firmware.",
 } satisfies Partial<Record<MasterError["name"], string>>;
 
 class Update {
@@ -21,7 +21,7 @@ class Update {
         this.told = undefined;
         try {
             await session.run((drive) => drive.update(image, (progress) => (this.progress = progress)));
-            this.told = { text: `The drive runs version ${version} now and keeps it.`, good: true };
+            this.told = { text: `The drive now runs version ${version}, and the update is confirmed.`, good: true };
         } catch (error) {
             const meaning = (error instanceof Error && MEANING[error.name]) || MEANING.NoAnswerError;
             this.told = { text: `${words(error)} ${meaning}`, good: false };

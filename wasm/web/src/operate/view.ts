@@ -45,7 +45,7 @@ export interface View {
 export const NOTHING: View = {
     time: 0,
     connected: false,
-    stateName: "not heard",
+    stateName: "state unknown",
     faults: [],
     status: {},
     measurements: [],
@@ -66,7 +66,7 @@ export function look(drive: Drive, time: number): View {
         time,
         connected: master.connected,
         state,
-        stateName: master.stateName ?? "not heard",
+        stateName: master.stateName ?? "state unknown",
         faults: master.faults ?? [],
         fault: state === FAULT ? (critical?.meaning ?? (critical && `extended fault code ${critical.code.toString(16)}h`)) : undefined,
         status: status as View["status"],

@@ -1,10 +1,10 @@
 //! Builds and starts C programs.
 
 use crate::cross::{self, Processor, STRICT};
-use crate::install::target_directory;
 use crate::library::{BENCH, Library, NARX};
 use crate::qemu::{self, Machine};
-use crate::steps::{self, Outcome};
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

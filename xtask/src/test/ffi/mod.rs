@@ -6,15 +6,16 @@ mod package;
 mod threads;
 mod watched;
 
+use crate::conformance::{ARGUMENTS, Replayer};
 use crate::cross::{self, Processor, STRICT};
-use crate::driven::output;
 use crate::install::{self, Package};
 use crate::library::{self, BENCH, NARX};
-use crate::parity::Replayer;
+use crate::programs::GENERATE;
 use crate::qemu::{self, Machine};
-use crate::steps::{self, Outcome, Step};
-use crate::{header, sizes};
+use crate::sizes;
 use build::Build;
+use narx_report::steps::output;
+use narx_report::steps::{self, Outcome, Step};
 use std::path::Path;
 use std::process::Command;
 
@@ -64,9 +65,9 @@ const CHECKS: [&str; 15] = [
 const REPLAY: &str = "tests/c/replay.c";
 
 /// Steps in their order.
-pub fn steps(root: &Path) -> Vec<Step<'_>> {
+pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
-        Step::new("C header", move || header::regenerate(root, true)),
+        Step::new("C header", move || GENERATE.run(root, &["header", "--check"])),
         Step::new("C tools", || install::debian(&PACKAGES)),
         Step::new("C library", move || libraries(root)),
         Step::new("C programs", move || programs(root)),
@@ -95,11 +96,8 @@ fn run(root: &Path, build: Build) -> Outcome {
 }
 
 /// Programs that replay recordings, once [`steps`] has built them.
-pub fn replayers(root: &Path) -> Vec<Replayer> {
-    let replayer = |name, build: Build| {
-        let root = root.to_owned();
-        Replayer::new(name, move |arguments| build.start(&root, REPLAY, arguments))
-    };
+pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
+    let replayer = |name, build: Build| Replayer::new(name, &build.start(root, REPLAY, &[ARGUMENTS.into()]));
     vec![
         replayer("C x86-64", Build::Gcc),
         replayer("C Cortex-M4F", Build::CortexM4F),

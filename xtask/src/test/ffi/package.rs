@@ -3,8 +3,8 @@
 use super::build::directory;
 use crate::archive;
 use crate::cross::{self, Processor};
-use crate::driven::output;
-use crate::steps::Outcome;
+use narx_report::steps::Outcome;
+use narx_report::steps::output;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

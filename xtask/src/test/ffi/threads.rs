@@ -3,9 +3,10 @@
 
 use super::build::made_directory;
 use crate::cross::STRICT;
-use crate::driven::output;
-use crate::install::{self, target_directory};
-use crate::steps::{self, Outcome};
+use crate::install;
+use narx_report::steps::output;
+use narx_report::steps::{self, Outcome};
+use narx_report::target_directory;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

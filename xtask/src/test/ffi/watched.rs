@@ -2,8 +2,8 @@
 
 use super::build::{Build, directory};
 use super::{CHECKS, REPLAY};
-use crate::steps::{self, Outcome};
 use crate::vectors;
+use narx_report::steps::{self, Outcome};
 use std::path::Path;
 use std::process::Command;
 

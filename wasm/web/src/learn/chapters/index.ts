@@ -15,7 +15,7 @@ export interface Chapter {
     /** Name of the chapter in the address. */
     path: string;
     title: string;
-    /** The reader's task in the chapter. */
+    /** Task of the reader in the chapter. */
     about: string;
     page: Component;
 }
@@ -23,55 +23,55 @@ export interface Chapter {
 export const CHAPTERS: Chapter[] = [
     {
         path: "six-steps",
-        title: "What six steps are",
-        about: "Turn a rotor by hand, feel the torque of each step, and let the drive do it.",
+        title: "Six-step commutation",
+        about: "Turn a rotor by hand, see the torque of each step, and let the drive commutate.",
         page: SixSteps,
     },
     {
         path: "back-emf",
         title: "Back-EMF and its zero crossings",
-        about: "Spin the rotor and see its voltage; find the crossings where the drive finds them.",
+        about: "Spin the rotor, see the voltage that it induces, and find the zero crossings that the drive uses.",
         page: BackEmf,
     },
     {
         path: "open-loop",
         title: "Open loop, and why it stalls",
-        about: "Drag a ramp until the rotor no longer follows, and see that the drive does not notice.",
+        about: "Shorten the ramp until the rotor no longer follows, and see that the drive does not detect it.",
         page: OpenLoop,
     },
     {
         path: "sensorless-start",
-        title: "A start without sensors, tick by tick",
-        about: "Lock, kick, hand-over: stop time wherever you like.",
+        title: "Sensorless start, tick by tick",
+        about: "Rotor lock, kick and hand-over: stop the time at any control tick.",
         page: SensorlessStart,
     },
     {
         path: "demagnetisation",
-        title: "What demagnetisation hides",
-        about: "Raise current and inductance until the diode covers the crossing.",
+        title: "Demagnetisation and hidden crossings",
+        about: "Increase current and inductance until the conducting diode hides the zero crossing.",
         page: Demagnetisation,
     },
     {
         path: "hall-sensors",
-        title: "Hall sensors, and one that is misaligned",
+        title: "Hall sensors and misalignment",
         about: "Shift the sensors, watch the current rise, and let the drive calibrate itself.",
         page: Halls,
     },
     {
         path: "speed-loop",
         title: "Speed loop and current limit",
-        about: "Drag the gains and see the response to a load at once.",
+        about: "Change the gains and see the response to a load step at once.",
         page: SpeedLoop,
     },
     {
         path: "faults",
         title: "Faults and the state machine",
-        about: "Break things, follow the way through the states, acknowledge.",
+        about: "Provoke faults, follow the transitions between the states, and acknowledge.",
         page: Faults,
     },
     {
         path: "frames",
-        title: "The frames behind every click",
+        title: "The CAN frames behind every click",
         about: "Command the drive over CAN and read each frame bit by bit.",
         page: Frames,
     },

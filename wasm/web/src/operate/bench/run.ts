@@ -58,17 +58,17 @@ export async function decode(text: string): Promise<Run> {
         const bytes = await through(fromBase64(text), new DecompressionStream("deflate-raw"));
         packed = JSON.parse(new TextDecoder().decode(bytes)) as Partial<Packed>;
     } catch {
-        throw new Error("This link is damaged: a part of it is missing or was changed. Copy it whole.");
+        throw new Error("This link is damaged: a part of it is missing or was changed. Copy the whole link.");
     }
     const { format, setup, frames, after, what, ticks, digest } = packed;
     if (format !== FORMAT) {
-        throw new Error(`This link has format ${format}, and this page knows format ${FORMAT}: one of them is older than the other.`);
+        throw new Error(`This link has format ${format}, but this page supports format ${FORMAT}: the link or the page is outdated.`);
     }
     if (!setup || !frames || !after || !what || after.length !== what.length || ticks === undefined || digest === undefined) {
-        throw new Error("This link is damaged: it does not hold a whole run.");
+        throw new Error("This link is damaged: it does not contain a whole run.");
     }
     if (!Number.isInteger(ticks) || ticks < 0 || ticks > TICKS_MAX || after.some((ticks) => !Number.isInteger(ticks) || ticks < 0)) {
-        throw new Error(`This link is damaged: its run has ${ticks} control ticks; 0 to ${TICKS_MAX} can be repeated.`);
+        throw new Error(`This link is damaged: its run has ${ticks} control ticks; 0 to ${TICKS_MAX} are allowed.`);
     }
     let tick = 0;
     const inputs = what.map((entry, index) => {
@@ -90,7 +90,7 @@ function frameText({ id, extended, remote, data }: Sent): string {
 function frameOf(text: string | undefined): Omit<Sent, "tick"> {
     const [, id, extended, remote, hex] = text?.match(/^([0-9a-f]+)([xs])([rd])((?:[0-9a-f]{2}){0,8})$/) ?? [];
     if (id === undefined) {
-        throw new Error(`This link is damaged: "${text}" is no frame.`);
+        throw new Error(`This link is damaged: "${text}" is not a frame.`);
     }
     const data = (hex.match(/../g) ?? []).map((byte) => parseInt(byte, 16));
     return { call: "send", id: parseInt(id, 16), extended: extended === "x", remote: remote === "r", data };

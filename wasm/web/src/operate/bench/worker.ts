@@ -117,7 +117,7 @@ function turn(): void {
 
 function opened(): JournalledBench {
     if (!journal) {
-        throw new Error("there is no virtual drive yet");
+        throw new Error("no virtual drive is powered up");
     }
     return journal;
 }

@@ -25,7 +25,7 @@ function open(name: string, bytes: Uint8Array): Content {
     if (table) {
         return { kind: "columns", table };
     }
-    throw new Error(`"${name}" is no file that this page knows: not a narx recording (.narxrec), not a candump log, and not a CSV of numbers with a header.`);
+    throw new Error(`"${name}" is not a file that this page can read: it is neither a narx recording (.narxrec), nor a candump log, nor a CSV file of numbers with a header.`);
 }
 
 function traced(bytes: Uint8Array): Table {

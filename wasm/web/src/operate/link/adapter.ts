@@ -16,10 +16,10 @@ export async function openAdapter(listener: Listener, listen: boolean): Promise<
         throw new Error("No adapter was chosen.");
     });
     await port.open({ baudRate: BAUD }).catch((error: Error) => {
-        throw new Error(`The adapter does not open: ${error.message} Is another program using it?`);
+        throw new Error(`The adapter could not be opened: ${error.message} Is another program using it?`);
     });
     if (!port.readable || !port.writable) {
-        throw new Error("The adapter cannot be read and written.");
+        throw new Error("The adapter cannot be read or written.");
     }
     return new Adapter(port, port.readable.getReader(), port.writable.getWriter(), listener, listen);
 }
@@ -113,7 +113,7 @@ class Adapter implements Link {
         const listener = this.#listener;
         this.#listener = undefined;
         listener?.handleLoss(
-            "The adapter is gone: was it unplugged? A drive that hears no set-point stops its motor by itself within its CAN time-out (parameter 114). Plug it in and connect again.",
+            "The connection to the adapter was lost: was it unplugged? A drive that receives no set-points stops its motor within its CAN time-out (parameter 114). Plug in the adapter and connect again.",
         );
     }
 }

@@ -6,7 +6,7 @@ import type { Run } from "../bench/run";
 import { Rolling } from "../rolling.svelte";
 import type { Link, Listener } from "./link";
 
-/** Abilities of the worker. */
+/** Motors, inputs and faults that the worker offers. */
 export interface Known {
     motors: MotorEntry[];
     inputs: Input[];
@@ -99,7 +99,7 @@ class VirtualDrive {
         this.#worker = new Worker(new URL("../bench/worker.ts", import.meta.url), { type: "module" });
         this.#worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => this.#handle(data));
         this.#worker.addEventListener("error", ({ message }) => {
-            this.problem = `The simulation cannot run here: ${message}`;
+            this.problem = `The simulation cannot run in this browser: ${message}`;
         });
     }
 

@@ -1,0 +1,141 @@
+//! The promises of control, measured on the bench: each figure with its unit, its goal and the command that
+//! measures it again. Everything simulated has a seed; a failure is printed with the command that runs it
+//! again.
+
+mod case;
+mod efficiency;
+mod faults;
+pub(crate) mod load_step;
+mod operating;
+pub(crate) mod picture;
+mod range;
+mod scope;
+mod start;
+mod starts;
+mod steady;
+mod sweep;
+mod top_speed;
+mod trial;
+
+pub use narx_host::parallel::map;
+pub use operating::{Figures, Point};
+pub use start::{Ending, Start};
+
+use crate::floor;
+use clap::Args;
+use narx_report::figures::{self, Part, Report};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of `promises`, as `bench` passes them on.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Number of random plants to start
+    #[arg(long, default_value_t = 10_000)]
+    pub runs: u64,
+    /// Series of random plants; series S begins at seed S x 1 000 000
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Run one random plant again, by its seed, and write its run.svg, run.csv and run.narxrec
+    #[arg(long)]
+    pub case: Option<u64>,
+    /// Measure these parts only, separated by commas; the figures of the others stay in the file
+    #[arg(long, value_delimiter = ',', value_parser = names())]
+    pub only: Vec<String>,
+    /// Folder for bench.json and starts.svg
+    #[arg(long, default_value = "target")]
+    pub out: PathBuf,
+}
+
+fn names() -> clap::builder::PossibleValuesParser {
+    PARTS.map(|(name, _)| name).into()
+}
+
+/// Inputs of a part's measurement.
+pub(crate) struct Context<'a> {
+    /// Folder of the working copy.
+    pub(crate) root: &'a Path,
+    /// Seeds of the random plants.
+    cases: Vec<u64>,
+    /// Folder for pictures.
+    out: &'a Path,
+}
+
+type Measure = fn(&Context<'_>) -> Part;
+
+/// All parts in the order of the table: promises of control, then what the bench costs.
+const PARTS: [(&str, Measure); 11] = [
+    ("start", starts::part),
+    ("soon", starts::nominal),
+    ("steady", steady::part),
+    ("load-step", load_step::part),
+    ("top-speed", top_speed::part),
+    ("range", range::part),
+    ("efficiency", efficiency::part),
+    ("faults", faults::part),
+    ("sweep", sweep::part),
+    ("scope", scope::part),
+    ("floor", floor::part),
+];
+
+/// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    if let Some(seed) = arguments.case {
+        return match case::replay(seed, &arguments.out.join(format!("case-{seed}"))) {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(error) => {
+                eprintln!("{}: {error}", arguments.out.display());
+                ExitCode::FAILURE
+            }
+        };
+    }
+    match run(root, arguments) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Measures the parts; returns true if no goal is missed.
+fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
+    let path = arguments.out.join("bench.json");
+    let cases = starts::cases(arguments.seed, arguments.runs);
+    let context = Context { root, cases, out: &arguments.out };
+    let mut measured = Vec::new();
+    for (name, measure) in PARTS {
+        if !arguments.only.is_empty() && !arguments.only.iter().any(|only| only == name) {
+            continue;
+        }
+        let begun = Instant::now();
+        println!("{name} ...");
+        let part = Part { part: name.into(), command: repeat(name, arguments), ..measure(&context) };
+        println!("  {:.0} s", begun.elapsed().as_secs_f64());
+        // Each part is written as soon as it is measured, beside those that others have written meanwhile:
+        // hours are not lost with one failure.
+        let mut report = Report::read(&path)?;
+        report.machine = figures::machine();
+        report.replace(part.clone());
+        report.write(&path)?;
+        measured.push(part);
+    }
+    println!("\n{}\nwritten to {}", figures::table(&measured), path.display());
+    Ok(measured.iter().all(Part::is_met))
+}
+
+/// Command that measures a part again.
+fn repeat(name: &str, arguments: &Arguments) -> String {
+    let mut text = format!("cargo xtask bench --only {name}");
+    let random = ["start", "steady"].contains(&name);
+    if random && arguments.runs != 10_000 {
+        text += &format!(" --runs {}", arguments.runs);
+    }
+    if random && arguments.seed != 0 {
+        text += &format!(" --seed {}", arguments.seed);
+    }
+    text
+}

@@ -1,0 +1,107 @@
+//! The promise about top speed at a control tick of 100 us, with sampled back-EMF and with time-stamped
+//! edges.
+
+use super::Context;
+use super::trial::Trial;
+use narx_core::dictionary::number;
+use narx_core::motor::State;
+use narx_report::figures::{Figure, Part};
+use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
+use narx_sim::engineering;
+use narx_sim::plant::{ComparatorConfig, MotorConfig, PlantConfig};
+use std::f64::consts::TAU;
+
+/// Supply of the runs, V: far from the over-voltage threshold, which other promises concern.
+const SUPPLY: f64 = 48.0;
+
+/// A motor that reaches 60 000 electrical rpm at this supply.
+fn motor() -> MotorConfig {
+    MotorConfig {
+        torque_constant: 0.025,
+        inductance: 5e-4,
+        resistance: 0.6,
+        static_friction: 0.002,
+        ..MotorConfig::default()
+    }
+}
+
+/// Torque of the fan on the shaft at 50 000 electrical rpm, N m.
+const FAN: f64 = 0.005;
+
+/// Delay of the comparators, s.
+const DELAY: f64 = 2e-6;
+
+/// Searches for the highest set-point that is held within 0.5 %, in steps.
+pub(super) fn part(_: &Context<'_>) -> Part {
+    let sampled = highest(false, &[16_000, 20_000, 24_000, 26_000, 28_000, 30_000]);
+    let edges = highest(true, &[24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000]);
+    let mut part = Part::default();
+    for (name, least, (speed, why)) in [
+        ("top speed, sampled back-EMF", 24_000.0, sampled),
+        ("top speed, time-stamped edges", 50_000.0, edges),
+    ] {
+        let figure = Figure::new(name, f64::from(speed), "electrical rpm").at_least(least);
+        if !figure.is_met() {
+            part.failures.extend(why);
+        }
+        part.figures.push(figure.note("held within 0.5 %, a fan on the shaft"));
+    }
+    part
+}
+
+/// Returns the last set-point that was held, and the reason why the next was not.
+fn highest(edges: bool, speeds: &[i32]) -> (i32, Option<String>) {
+    let motor = motor();
+    let mut held = 0;
+    for electrical in speeds {
+        match hold(motor, edges, *electrical) {
+            Ok(()) => held = *electrical,
+            Err(why) => return (held, Some(format!("{electrical} electrical rpm: {why}"))),
+        }
+    }
+    (held, None)
+}
+
+fn hold(motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> {
+    let rpm = electrical / i32::from(motor.pole_pairs);
+    let commissioning = commission(motor, edges, rpm)?;
+    let mut plant = PlantConfig::new(motor, SUPPLY);
+    plant.board.comparator_capture = edges;
+    plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
+    let full = 50_000.0 / f64::from(motor.pole_pairs) / 60.0 * TAU;
+    plant.load.quadratic = FAN / (full * full);
+    let mut trial = Trial::new(&plant, &commissioning, "", false);
+    trial.start(rpm);
+    let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
+    trial.until(5.0, closed).ok_or("no closed loop")?;
+    trial.run_while(3.0, |_| true);
+    let mean = trial.mean_rpm(0.5);
+    if !closed(&trial) {
+        let status = trial.bench.status();
+        return Err(format!("{}, code {:#06x}", status.state.name(), status.extended_code));
+    }
+    let error = mean / f64::from(rpm) - 1.0;
+    if error.abs() > 0.005 {
+        let limiter = trial.bench.status().limiter;
+        return Err(format!("{:.2} % off, bounded by {limiter:?}", 100.0 * error));
+    }
+    Ok(())
+}
+
+/// Commissions the motor with the largest set-point raised to `rpm`: commissioning alone would keep four
+/// samples a sector.
+fn commission(motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning, String> {
+    let plate = Nameplate { motor, rated_current: None, supply: SUPPLY, open_loop_speed: None };
+    let mut commissioning = plate.commission(Mode::Sensorless).map_err(|error| error.to_string())?;
+    let mut set = |number, value| {
+        engineering::set(&mut commissioning.parameters, number, value).map_err(|error| error.to_string())
+    };
+    if f64::from(rpm) > commissioning.speed_max {
+        set(number::SPEED_MAX_SL, f64::from(rpm))?;
+    }
+    if edges {
+        // The comparators' 2 us, in ticks.
+        set(number::ZC_DELAY, DELAY * 1e4)?;
+    }
+    Ok(commissioning)
+}
