@@ -131,7 +131,7 @@ export interface MasterOptions {
     setpointPeriod?: number;
     /** Listens only and transmits nothing; default false. */
     silent?: boolean;
-    /** Reads every parameter in the background when the drive is first heard, and after an action that
+    /** Reads every parameter in the background when the first frame of the drive is received, and after an action that
      * changes many of them; default true. */
     readParameters?: boolean;
     /** Longest time until an answer, 0.001 to 10 s; default 0.1. */
@@ -310,7 +310,7 @@ export class Master {
     begin(job: JobName, rpm?: number | null): void;
     /**
      * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
-     * names the limit's parameter and the range. Before the drive's limits were heard, only the range of
+     * names the limit's parameter and the range. Before the drive's limits were received, only the range of
      * MOTOR_CMD is checked.
      */
     checkSpeed(rpm: number): void;
@@ -347,7 +347,7 @@ export class Master {
      */
     nextPoll(now: number): number;
     /**
-     * Returns the value of a parameter as last heard, in its unit; `undefined` before.
+     * Returns the value of a parameter as last received, in its unit; `undefined` before.
      */
     parameter(key: ParameterName | number): number | undefined;
     /**
@@ -453,7 +453,7 @@ export class Master {
      */
     readonly build: BuildInfo | undefined;
     /**
-     * True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+     * True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast periods if that is
      * longer.
      */
     readonly connected: boolean;
@@ -462,7 +462,7 @@ export class Master {
      */
     readonly critical: CriticalFault | undefined;
     /**
-     * Length and check value of the drive's description, as last heard.
+     * Length and check value of the drive's description, as last received.
      */
     readonly descriptionInfo: DescriptionInfo | undefined;
     /**
@@ -478,9 +478,9 @@ export class Master {
      */
     readonly faults: FaultName[] | undefined;
     /**
-     * Time at which any message of the drive was last heard, s.
+     * Time at which any message of the drive was last received, s.
      */
-    readonly lastHeard: number | undefined;
+    readonly lastReceived: number | undefined;
     /**
      * Number of parameters that are still to be read in the background.
      */
@@ -499,7 +499,7 @@ export class Master {
     readonly silent: boolean;
     /**
      * Set-points that the drive accepts unchanged; `undefined` before the needed ones of `speedParameters`
-     * were heard.
+     * were received.
      */
     readonly speedLimits: SpeedLimits | undefined;
     /**
@@ -608,7 +608,7 @@ export class TxMaster {
      */
     readonly malformed: number;
     /**
-     * Returns whether the node was heard within 5 s.
+     * Returns whether a frame of the node was received within 5 s.
      */
     readonly present: boolean;
     /**
@@ -709,7 +709,7 @@ export interface InitOutput {
     readonly master_downloadProgress: (a: number) => any;
     readonly master_faults: (a: number) => any;
     readonly master_handleFrame: (a: number, b: any, c: number) => [number, number];
-    readonly master_lastHeard: (a: number) => [number, number];
+    readonly master_lastReceived: (a: number) => [number, number];
     readonly master_measurementSignals: (a: number) => any;
     readonly master_measurements: (a: number) => any;
     readonly master_new: (a: any) => [number, number, number];

@@ -10,7 +10,7 @@
 /// | `parameter` | number | acts as its factory value, and reads as written; the drive's own read as their factory values; a command does nothing |
 /// | `transition` | state before times 10, plus state after | never fires |
 /// | `cause` | extended fault code | is never raised |
-/// | `message` | low 11 bits of the identifier | is not obeyed, or not sent |
+/// | `message` | low 11 bits of the identifier | is not accepted, or not sent |
 /// | `object` | index times 256, plus subindex | acts as its factory value |
 #[cfg(feature = "blind")]
 pub(crate) fn to(table: &str, row: u32) -> bool {

@@ -16,7 +16,7 @@ use crate::dictionary::Parameters;
 use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
 use crate::node::{Identity, Node};
 use crate::queue::{dequeue, enqueue, has_room};
-use crate::scope::{Answer, Keeper, Memory, Order, Report, Request, SCOPE, Scope};
+use crate::scope::{Answer, Keeper, Memory, Order, SCOPE, Scope, ScopeReply, ScopeTask};
 use core::borrow::BorrowMut;
 #[cfg(not(thread_sanitizer))]
 use core::sync::atomic::{Ordering, fence};
@@ -223,13 +223,13 @@ pub trait DeviceNode {
     /// [`Node::takes_scope_report`].
     fn takes_scope_report(&self) -> bool;
     /// [`Node::handle_scope`].
-    fn handle_scope(&mut self, report: Report);
+    fn handle_scope(&mut self, report: ScopeReply);
     /// [`Node::poll`].
     fn poll(&mut self, now: u64);
     /// [`Node::poll_event`].
     fn poll_event(&mut self) -> Option<Event>;
     /// [`Node::poll_scope`].
-    fn poll_scope(&mut self) -> Option<Request>;
+    fn poll_scope(&mut self) -> Option<ScopeTask>;
 }
 
 impl DeviceNode for Node {
@@ -242,7 +242,7 @@ impl DeviceNode for Node {
         Self::takes_scope_report(self)
     }
     #[inline]
-    fn handle_scope(&mut self, report: Report) {
+    fn handle_scope(&mut self, report: ScopeReply) {
         Self::handle_scope(self, report);
     }
     #[inline]
@@ -254,7 +254,7 @@ impl DeviceNode for Node {
         Self::poll_event(self)
     }
     #[inline]
-    fn poll_scope(&mut self) -> Option<Request> {
+    fn poll_scope(&mut self) -> Option<ScopeTask> {
         Self::poll_scope(self)
     }
 }

@@ -23,7 +23,7 @@ static int32_t displacement(uint64_t now)
  * to `least` and `most`. */
 static void run(uint64_t *now, uint64_t end, int32_t *least, int32_t *most)
 {
-    narx_tx_node_report_t heard;
+    narx_tx_node_report_t received;
     narx_frame_t frame;
 
     for (; *now < end; *now += 100) {
@@ -35,9 +35,9 @@ static void run(uint64_t *now, uint64_t end, int32_t *least, int32_t *most)
         while (narx_tx_driver_poll_frame(&node, &frame) == NARX_OK) {
             (void)narx_tx_master_handle_frame(&master, &frame, *now);
         }
-        if (narx_tx_master_report(&master, *now, &heard) == NARX_OK && heard.at != UINT64_MAX) {
-            *least = heard.positions[0] < *least ? heard.positions[0] : *least;
-            *most = heard.positions[0] > *most ? heard.positions[0] : *most;
+        if (narx_tx_master_report(&master, *now, &received) == NARX_OK && received.at != UINT64_MAX) {
+            *least = received.positions[0] < *least ? received.positions[0] : *least;
+            *most = received.positions[0] > *most ? received.positions[0] : *most;
         }
     }
 }

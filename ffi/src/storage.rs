@@ -12,7 +12,7 @@ use core::task::{Context, Poll, Waker};
 use embedded_storage_async::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
-use narx_core::storage::{Opened, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Opened, Storage};
 
 /// 64-bit words of a narx_storage_t on any processor.
 pub const NARX_STORAGE_WORDS: usize = 320;
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn narx_storage_init_drive(
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
         let identity = if identity.is_null() { Default::default() } else { pointer::read(identity)?.into() };
-        let Report::Opened(opened) = finish(handle::object(storage)?.execute(Request::Open)) else {
+        let FlashReply::Opened(opened) = finish(handle::object(storage)?.execute(FlashTask::Open)) else {
             return Err(NARX_ERROR_UNINITIALISED);
         };
         let Opened { parameters, .. } = opened.clone();

@@ -68,8 +68,8 @@ pub trait BackgroundSide {
     /// Does what the node asks for the slot of the bootloader, all of it before it returns: a page erased, a
     /// piece written. A board without one is not asked.
     #[cfg(feature = "update")]
-    fn serve_update(&mut self, _request: &update::Request) -> update::Report {
-        update::Report::Failed(UpdateCode::Flash)
+    fn serve_update(&mut self, _request: &update::SlotTask) -> update::SlotReply {
+        update::SlotReply::Failed(UpdateCode::Flash)
     }
 
     /// Puts off the watchdog's reset.

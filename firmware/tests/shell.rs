@@ -9,7 +9,7 @@ use narx_core::motor::{Board, PwmCommand, Samples, Step};
 #[cfg(feature = "update")]
 use narx_core::node::update;
 use narx_core::node::{Identity, Node, Outputs, ResetCause, SelfTests, SlowInputs};
-use narx_core::storage::{Mailbox, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Mailbox, Storage};
 use narx_firmware::board::{BackgroundSide, TickSide};
 use narx_firmware::shell::{Background, Control, INPUTS_MS, Progress};
 use narx_sim::flash::{Flash, KBYTE_512, finish};
@@ -110,8 +110,8 @@ impl BackgroundSide for Side {
     }
 
     #[cfg(feature = "update")]
-    fn serve_update(&mut self, _: &update::Request) -> update::Report {
-        update::Report::Done
+    fn serve_update(&mut self, _: &update::SlotTask) -> update::SlotReply {
+        update::SlotReply::Done
     }
 
     fn feed_watchdog(&mut self) {
@@ -192,7 +192,7 @@ fn the_flash_is_served_between_passes() {
     let memory = vec![0xFF; 512 << 10].leak();
     let mut storage = Storage::new(Flash::new(KBYTE_512, memory, 0));
     assert_eq!(finish(storage.format(&Parameters::new())), Some(true));
-    let Some(Report::Opened(opened)) = finish(storage.execute(Request::Open)) else { panic!("opened") };
+    let Some(FlashReply::Opened(opened)) = finish(storage.execute(FlashTask::Open)) else { panic!("opened") };
     let (side, progress, mailbox) = (Side::default(), Progress::new(), Mailbox::new());
     let mut queues = Queues::new();
     let (tick, device) = queues.power_up(Identity::default(), Board::BENCH, opened.parameters.clone());

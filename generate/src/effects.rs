@@ -254,7 +254,7 @@ impl Suite {
         let failure = |error| format!("{}: {error}", self.program.display());
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().map_err(failure)?;
         let output = child.stdout.take().ok_or("no output")?;
-        let (told, heard) = std::sync::mpsc::channel();
+        let (told, received) = std::sync::mpsc::channel();
         let reader = thread::spawn(move || {
             let mut output = BufReader::new(output);
             let mut line = Vec::new();
@@ -277,7 +277,7 @@ impl Suite {
         let mut running = None;
         let mut hangs = None;
         loop {
-            match heard.recv_timeout(limit) {
+            match received.recv_timeout(limit) {
                 Ok(line) => {
                     let Some((test, verdict)) =
                         line.strip_prefix("test ").and_then(|rest| rest.split_once(" ..."))

@@ -83,7 +83,7 @@ fn run(config: SessionConfig, rpm: i32) -> Result<Vec<u8>, String> {
         session.step();
         // The frames on the bus are not used.
         while session.bench_mut().receive().is_some() {}
-        while session.bench_mut().overhear().is_some() {}
+        while session.bench_mut().monitor().is_some() {}
     }
     let reached = session.bench().plant().observe().speed * 60.0 / TAU;
     let now = session.bench().status().state;

@@ -9,13 +9,13 @@ import can
 class Listener(can.Listener):
     """Passes on received messages, and the error that ends reception."""
 
-    def __init__(self, hear: Callable[[can.Message], None], fail: Callable[[Exception], None]) -> None:
-        self._hear = hear
+    def __init__(self, receive: Callable[[can.Message], None], fail: Callable[[Exception], None]) -> None:
+        self._receive = receive
         self._fail = fail
 
     def on_message_received(self, msg: can.Message) -> None:
         """Passes on a received message."""
-        self._hear(msg)
+        self._receive(msg)
 
     def on_error(self, exc: Exception) -> None:
         """Passes on the error after which the bus cannot be read any more."""

@@ -48,9 +48,9 @@ class Measurements(Mapping[str, float]):
 
     def __init__(self, signals: list[tuple[str, str, tuple[float, float] | None]], speed: float | None) -> None:
         self._known = {
-            name: Measurement(heard[0], "" if unit == "-" else unit, heard[1])
-            for name, unit, heard in signals
-            if heard is not None
+            name: Measurement(received[0], "" if unit == "-" else unit, received[1])
+            for name, unit, received in signals
+            if received is not None
         }
         self._names = [name for name, _, _ in signals]
         self.speed = speed
@@ -68,7 +68,7 @@ class Measurements(Mapping[str, float]):
             return self._known[folded[name.casefold()]]
         except KeyError:
             if name.casefold() in (known.casefold() for known in self._names):
-                raise SignalError(f'measurement "{name}" was not heard yet') from None
+                raise SignalError(f'measurement "{name}" was not received yet') from None
             raise SignalError(f'there is no measurement "{name}"{suggestion(name, self._names)}') from None
 
     def __iter__(self) -> Iterator[str]:
@@ -227,7 +227,7 @@ class Drive:
 
     @property
     def connected(self) -> bool:
-        """True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that
+        """True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast periods if that
         is longer."""
         return self._master.connected
 
@@ -387,12 +387,12 @@ def connect(
     timeout: float = 2.0,
     **options: Any,
 ) -> Drive:
-    """Opens a bus of python-can and waits until the drive is heard and has done its self-tests.
+    """Opens a bus of python-can and waits until a frame of the drive is received and it has done its self-tests.
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
     with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
-    available ones. Raises NoAnswerError when nothing is heard of the drive within `timeout` s. A silent
-    master hears the drive only while another master commands it.
+    available ones. Raises NoAnswerError when nothing is received of the drive within `timeout` s. A silent
+    master receives frames of the drive only while another master commands it.
     """
     import can
 
@@ -407,7 +407,7 @@ def connect(
     if not drive._link.wait(lambda: is_there(drive, silent), timeout):
         drive.close()
         raise NoAnswerError(
-            f"no drive {slave} was heard on {interface} {channel} within {timeout:g} s: is it on, at this bit rate, and does it "
+            f"no frame of drive {slave} was received on {interface} {channel} within {timeout:g} s: is it on, at this bit rate, and does it "
             f"answer to master {monitor}?"
         )
     try:
@@ -419,8 +419,8 @@ def connect(
 
 
 def is_there(drive: Drive, silent: bool) -> bool:
-    """Returns whether the drive answers and takes commands; with a silent master, whether it was heard."""
-    if drive._master.last_heard is None:
+    """Returns whether the drive answers and takes commands; with a silent master, whether a frame of it was received."""
+    if drive._master.last_received is None:
         return False
     return silent or drive.state not in (None, State.INITIALIZATION)
 

@@ -105,7 +105,7 @@ class BusLink(Link):
         known = can.Notifier.find_instances(bus)
         self._own_notifier = not known
         self._notifier = known[0] if known else can.Notifier(bus, [], timeout=0.1)
-        self._listener = Listener(self._hear, self._fail)
+        self._listener = Listener(self._receive, self._fail)
         self._notifier.add_listener(self._listener)
         self._thread = threading.Thread(target=self._talk, name="narx master", daemon=True)
         self._thread.start()

@@ -46,10 +46,10 @@ CROSSINGS = {
     2: ("too early", "#f9a825"),
     3: ("not seen", "#c62828"),
     4: ("hidden", "#6a1b9a"),
-    5: ("heard", "#1565c0"),
+    5: ("coasting", "#1565c0"),
 }
 """Outcomes of a step's zero crossing (parameter 287), with label and colour. A hidden one is hidden by
-demagnetisation; a heard one was seen while the motor coasts."""
+demagnetisation; a coasting one was observed while the bridge was off."""
 SENSORLESS = (State.OPEN_LOOP, State.SENSORLESS_CLOSED_LOOP, State.SENSORLESS_AUTO_RESTART)
 
 

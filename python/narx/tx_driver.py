@@ -105,12 +105,12 @@ class TxDriver:
         self._command("pre-operational")
 
     def reset(self, wait: bool = True) -> None:
-        """Restarts the node. With `wait`, returns when its boot-up is heard, or raises NoAnswerError after
+        """Restarts the node. With `wait`, returns when its boot-up is received, or raises NoAnswerError after
         3 s."""
         boots = self._master.boots
         self._command("reset")
         if wait and not self._link.wait(lambda: self._master.boots != boots, RESTART):
-            raise NoAnswerError(f"node {self.node_id} was not heard within {RESTART:g} s after its reset")
+            raise NoAnswerError(f"no frame of node {self.node_id} was received within {RESTART:g} s after its reset")
 
     @property
     def state(self) -> NodeState | None:
@@ -121,7 +121,7 @@ class TxDriver:
 
     @property
     def connected(self) -> bool:
-        """True if the node was heard within 5 s."""
+        """True if a frame of the node was received within 5 s."""
         return self._master.is_present(self._link.now)
 
     @property
@@ -232,7 +232,7 @@ class TxDriver:
 
     def set_node_id(self, node_id: int) -> None:
         """Gives the node another node-id, 1 to 127, and restarts it; from then on this is the master of the
-        new node-id. Raises NoAnswerError if the node is not heard within 3 s."""
+        new node-id. Raises NoAnswerError if no frame of the node is received within 3 s."""
         self.parameters["Node-ID"] = node_id
         self._command("reset")
         self._master.node_id = node_id
@@ -240,7 +240,7 @@ class TxDriver:
         # Its boot-up may have come before the loop, or may come late; only an answer proves that it is there.
         while not self._answers():
             if self._link.now >= end:
-                raise NoAnswerError(f"node {node_id} was not heard within {RESTART:g} s after its restart")
+                raise NoAnswerError(f"no frame of node {node_id} was received within {RESTART:g} s after its restart")
 
     def set_bitrate(self, bitrate: int) -> None:
         """Gives the node another bit rate, bit/s: 50, 100, 250, 500 or 1000 kbit/s. It takes effect after a
@@ -275,8 +275,8 @@ class TxDriver:
         state = self.state
         return f"<narx.TxDriver {self.node_id}, {'state unknown' if state is None else state.name.replace('_', ' ').lower()}>"
 
-    def _reading(self, heard: tuple[list[float], int, float | None, str, float]) -> Reading:
-        positions, encoder, length, trigger, time = heard
+    def _reading(self, received: tuple[list[float], int, float | None, str, float]) -> Reading:
+        positions, encoder, length, trigger, time = received
         counts, length = (encoder, length) if self._master.encoder else (None, None)
         return Reading(tuple(positions[: self._channels]), counts, trigger, time, length)
 
@@ -323,5 +323,5 @@ class TxDriver:
 
     def _silence(self, what: str) -> str:
         state = self.state
-        known = "" if state is None else f"; it was last heard in {state.name.replace('_', ' ').capitalize()}"
+        known = "" if state is None else f"; it was last received in {state.name.replace('_', ' ').capitalize()}"
         return f"node {self.node_id} {what}{known}"

@@ -8,7 +8,7 @@ use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::dictionary::{Decimal, Effect};
 use narx_core::master::{
     Described, DescribedField, DescribedParameter, DescribedSignal, DescriptionError, DescriptionReader,
-    Heard, Measurements, Refusal,
+    Measurements, Received, Refusal,
 };
 use narx_sim::engineering::{Misfit, Scale};
 use pyo3::prelude::*;
@@ -180,11 +180,11 @@ impl Tables {
     }
 
     /// Returns every signal of the measurements; received ones with value and time in s.
-    pub(crate) fn measurements(&self, heard: &Measurements) -> Vec<Signal> {
+    pub(crate) fn measurements(&self, received: &Measurements) -> Vec<Signal> {
         let signal = |field: &DescribedField| {
-            let frame = Opcode::new(field.opcode).and_then(|opcode| heard.frame(opcode));
-            let value =
-                frame.map(|Heard { value, at }| (frame::float(field.value(value.encode())), at as f64 / 1e6));
+            let frame = Opcode::new(field.opcode).and_then(|opcode| received.frame(opcode));
+            let value = frame
+                .map(|Received { value, at }| (frame::float(field.value(value.encode())), at as f64 / 1e6));
             (field.name.to_string(), field.unit.to_string(), value)
         };
         self.signals_of_measurements().map(signal).collect()

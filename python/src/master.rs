@@ -8,7 +8,7 @@ use crate::state;
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::master::{
-    Answer, Config, Download, Heard, Image, Job, JobError, Master as Core, Request, RequestError,
+    Answer, Config, Download, Image, Job, JobError, Master as Core, Received, Request, RequestError,
     SpeedLimits, UpdateProgress,
 };
 use narx_core::motor::{FaultWord, State};
@@ -274,16 +274,16 @@ impl Master {
         self.with(py, |master, _| seconds(master.config().setpoint_period))
     }
 
-    /// True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
-    /// longer.
+    /// True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast
+    /// periods if that is longer.
     #[getter]
     fn connected(&self, py: Python<'_>) -> bool {
         self.with(py, |master, now| master.is_connected(now))
     }
 
-    /// Time at which any message of the drive was last heard, s; `None` before the first.
+    /// Time at which any message of the drive was last received, s; `None` before the first.
     #[getter]
-    fn last_heard(&self, py: Python<'_>) -> Option<f64> {
+    fn last_received(&self, py: Python<'_>) -> Option<f64> {
         self.with(py, |master, _| master.report().last.map(seconds))
     }
 
@@ -299,21 +299,21 @@ impl Master {
     #[getter]
     fn faults(&self, py: Python<'_>) -> Option<HashSet<String>> {
         let exact = self.exact(py, |session| session.bench().status().faults);
-        let heard = || self.with(py, |master, _| master.report().faults.map(|heard| heard.value));
-        exact.or_else(heard).map(|faults| names(faults).collect())
+        let received = || self.with(py, |master, _| master.report().faults.map(|received| received.value));
+        exact.or_else(received).map(|faults| names(faults).collect())
     }
 
     /// The last CRITICAL_FAULT: faults, extended code, and its meaning.
     #[getter]
     fn critical(&self, py: Python<'_>) -> Option<(HashSet<String>, u16, Option<&'static str>)> {
-        let Heard { value, .. } = self.with(py, |master, _| master.report().critical)?;
+        let Received { value, .. } = self.with(py, |master, _| master.report().critical)?;
         Some((names(value.faults).collect(), value.code, value.cause().map(|cause| cause.meaning)))
     }
 
     /// The last STATUS_WORD: its fields by the names of PROTOCOL.md; `None` before the first.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(Heard { value, .. }) = self.with(py, |master, _| master.report().status) else {
+        let Some(Received { value, .. }) = self.with(py, |master, _| master.report().status) else {
             return Ok(None);
         };
         frame::status(py, StatusWord::encode(value)).map(Some)
@@ -370,12 +370,12 @@ impl Master {
         self.with(py, |master, _| Some(master.speed()?.value))
     }
 
-    /// Raw value of a parameter as last heard; `None` before.
+    /// Raw value of a parameter as last received; `None` before.
     fn parameter(&self, py: Python<'_>, number: u16) -> Option<i64> {
         let tables = self.tables();
         let row = tables.row(number)?;
-        let heard = self.with(py, |master, _| master.parameters().get(number))?;
-        Some(row.kind.widen(heard.value))
+        let received = self.with(py, |master, _| master.parameters().get(number))?;
+        Some(row.kind.widen(received.value))
     }
 
     /// Starts to read every parameter in the background.

@@ -29,7 +29,7 @@ impl Shared {
     pub(crate) fn seat(&self, py: Python<'_>, station: &Arc<Mutex<Station>>) {
         let station = Arc::downgrade(station);
         self.with_table(py, |table| {
-            while table.session.bench_mut().overhear().is_some() {}
+            while table.session.bench_mut().monitor().is_some() {}
             table.stations.push(station);
         });
     }
@@ -73,8 +73,8 @@ impl Table {
             }
         });
         self.session.step();
-        while let Some(heard) = self.session.bench_mut().overhear() {
-            self.each(|station, _| station.handle_frame(&heard.frame, heard.time_ns / 1000));
+        while let Some(received) = self.session.bench_mut().monitor() {
+            self.each(|station, _| station.handle_frame(&received.frame, received.time_ns / 1000));
         }
     }
 

@@ -190,7 +190,7 @@ impl TxMaster {
         self.with(|station| station.master.report().state).map(|state| state as u8)
     }
 
-    /// Returns whether the node was heard within 5 s.
+    /// Returns whether a frame of the node was received within 5 s.
     fn is_present(&self, now: f64) -> bool {
         self.with(|station| station.master.is_present(station.now.max(microseconds(now))))
     }

@@ -126,10 +126,10 @@ impl World {
         self.bench.step();
         // Frames for the host itself are dropped: its clients get all frames of the bus below.
         while self.bench.receive().is_some() {}
-        while let Some(heard) = self.bench.overhear() {
-            let own = heard.sender == self.bench.host();
+        while let Some(received) = self.bench.monitor() {
+            let own = received.sender == self.bench.host();
             let client = if own { self.sent.pop_front() } else { None };
-            passed.push((heard.time_ns, client, heard.frame));
+            passed.push((received.time_ns, client, received.frame));
         }
     }
 }

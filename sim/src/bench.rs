@@ -44,7 +44,7 @@ use narx_core::motor::machine::event::Health;
 use narx_core::motor::{PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
-use narx_core::storage::{Report, Request};
+use narx_core::storage::{FlashReply, FlashTask};
 use scope_memory::ScopeMemory;
 use seen::Seen;
 
@@ -91,7 +91,7 @@ pub struct Bench {
     device: Device<ScopeMemory, BenchNode>,
     chip: Chip,
     /// While the flash is busy: time at which it has finished, ns, and its report then.
-    report: Option<(u64, Report)>,
+    report: Option<(u64, FlashReply)>,
     #[cfg(feature = "update")]
     slots: Slots,
     /// There is a bootloader.
@@ -177,7 +177,7 @@ impl Bench {
     /// Power-up or reboot of the drive: what is not stored is lost.
     fn boot(&mut self) {
         let board = *self.node().board();
-        let Some((Report::Opened(opened), _)) = self.chip.execute(Request::Open) else { return };
+        let Some((FlashReply::Opened(opened), _)) = self.chip.execute(FlashTask::Open) else { return };
         self.report = None;
         #[cfg(feature = "update")]
         self.slots.boot();

@@ -9,7 +9,7 @@ pub(crate) use without_flash::Chip;
 mod with_flash {
     use crate::flash::{Flash, MBIT_256, Sparse, finish};
     use narx_core::dictionary::Parameters;
-    use narx_core::storage::{Report, Request, Storage};
+    use narx_core::storage::{FlashReply, FlashTask, Storage};
 
     /// A flash, with everything on it.
     #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ mod with_flash {
 
         /// Executes a request; returns its report and how long it takes, ns; `None` if the power fails on the
         /// way.
-        pub(crate) fn execute(&mut self, request: Request) -> Option<(Report, u64)> {
+        pub(crate) fn execute(&mut self, request: FlashTask) -> Option<(FlashReply, u64)> {
             let report = finish(self.storage.execute(request));
             let busy = self.storage.flash().take_busy();
             report.map(|report| (report, busy))
@@ -52,7 +52,7 @@ mod with_flash {
 mod without_flash {
     use narx_core::dictionary::Parameters;
     use narx_core::motor::FaultWord;
-    use narx_core::storage::{Memory, Opened, Report, Request};
+    use narx_core::storage::{FlashReply, FlashTask, Memory, Opened};
 
     /// The stored parameters alone: where a program must be small. There is no log.
     #[derive(Clone, Debug)]
@@ -71,23 +71,23 @@ mod without_flash {
         }
 
         /// Executes a request, which takes no time.
-        pub(crate) fn execute(&mut self, request: Request) -> Option<(Report, u64)> {
+        pub(crate) fn execute(&mut self, request: FlashTask) -> Option<(FlashReply, u64)> {
             let report = match request {
-                Request::Open => Report::Opened(Opened {
+                FlashTask::Open => FlashReply::Opened(Opened {
                     parameters: self.stored.clone(),
                     faults: FaultWord::empty(),
                     repaired: false,
                     log: NO_LOG,
                 }),
-                Request::Store(parameters, part) => {
+                FlashTask::Store(parameters, part) => {
                     for (row, raw) in parameters.iter().filter(|(row, _)| part.contains(row)) {
                         // The same row has accepted it before.
                         let _ = self.stored.set(row.number, raw);
                     }
-                    Report::Stored { done: true, log: NO_LOG }
+                    FlashReply::Stored { done: true, log: NO_LOG }
                 }
-                Request::Append(_) | Request::Erase => Report::Log { done: true, memory: NO_LOG },
-                Request::Read(_) => Report::Record(None),
+                FlashTask::Append(_) | FlashTask::Erase => FlashReply::Log { done: true, memory: NO_LOG },
+                FlashTask::Read(_) => FlashReply::Record(None),
             };
             Some((report, 0))
         }

@@ -140,7 +140,7 @@ impl fmt::Display for SessionError {
 
 impl core::error::Error for SessionError {}
 
-/// A bench and, at its host's place, the master. What else wants to see frames overhears them.
+/// A bench and, at its host's place, the master. What else wants to see frames monitors them.
 #[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
@@ -277,7 +277,7 @@ impl Session {
         &self.bench
     }
 
-    /// The bench, to overhear its frames, inject faults and change the load.
+    /// The bench, to monitor its frames, inject faults and change the load.
     pub const fn bench_mut(&mut self) -> &mut Bench {
         &mut self.bench
     }

@@ -7,7 +7,7 @@ use crate::internal_flash::InternalFlash;
 use narx_boot::sign::SecretKey;
 use narx_boot::{Board, Header, Map, Server, Slot, Version, boot, hardware, key};
 use narx_core::node::Identity;
-use narx_core::node::update::{Report, Slots as Attached};
+use narx_core::node::update::{SlotReply, Slots as Attached};
 
 /// As on the ST board.
 const MAP: Map = Map::B_G431B_ESC1;
@@ -28,7 +28,7 @@ pub(crate) struct Slots {
     /// The drive's own version.
     version: Version,
     /// While the flash is busy: time at which it has finished, ns, and its report then.
-    report: Option<(u64, Report)>,
+    report: Option<(u64, SlotReply)>,
 }
 
 impl Slots {

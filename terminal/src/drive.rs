@@ -43,14 +43,14 @@ pub struct Arguments {
 
 /// Runs the drive until Ctrl-C; invalid arguments give exit code 2 and one line.
 pub fn run(arguments: &Arguments) -> ExitCode {
-    let request = match Request::new(arguments) {
-        Ok(request) => request,
+    let settings = match Settings::new(arguments) {
+        Ok(settings) => settings,
         Err(refused) => {
             eprintln!("{refused}");
             return ExitCode::from(2);
         }
     };
-    match serve(arguments, request) {
+    match serve(arguments, settings) {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("{reason}");
@@ -59,8 +59,8 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// A checked request for a drive.
-struct Request {
+/// Checked settings of a drive.
+struct Settings {
     setup: Setup,
     tx_drivers: Vec<TxDriverConfig>,
     speed: Speed,
@@ -68,7 +68,7 @@ struct Request {
     end: u64,
 }
 
-impl Request {
+impl Settings {
     fn new(arguments: &Arguments) -> Result<Self, Refused> {
         let setup = arguments.bench.check()?;
         let speed = match arguments.speed.as_str() {
@@ -89,12 +89,12 @@ impl Request {
 }
 
 /// Opens the ports, prints their addresses, and runs the drive.
-fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
+fn serve(arguments: &Arguments, settings: Settings) -> Result<(), String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(|error| error.to_string())?;
     }
-    let Request { mut setup, tx_drivers, speed, end } = request;
+    let Settings { mut setup, tx_drivers, speed, end } = settings;
     setup.session.trace = false;
     let (mut bench, commissioning) = setup.session.power_up().map_err(|error| error.to_string())?;
     say(&format!(

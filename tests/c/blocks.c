@@ -111,7 +111,7 @@ static void arguments_are_checked(void)
     narx_zero_crossing_settings_t terminals;
     narx_fault_settings_t limits;
     narx_hall_reading_t reading;
-    narx_zero_crossing_reading_t heard;
+    narx_zero_crossing_reading_t received;
     narx_applied_t applied = coasting;
     narx_edge_t edges[NARX_EDGES_MAX + 1];
     narx_samples_t samples;
@@ -147,13 +147,13 @@ static void arguments_are_checked(void)
     CHECK(narx_zero_crossing_settings_default(&terminals) == NARX_OK);
     CHECK(narx_zero_crossing_init(&detector, sizeof detector, &terminals, NULL) == NARX_OK);
     applied.step = 13;
-    CHECK(narx_zero_crossing_step(&detector, &samples, &applied, 0, &heard) == NARX_ERROR_ARGUMENT);
+    CHECK(narx_zero_crossing_step(&detector, &samples, &applied, 0, &received) == NARX_ERROR_ARGUMENT);
     applied = coasting;
     applied.commutation_count = 3;
-    CHECK(narx_zero_crossing_step(&detector, &samples, &applied, 0, &heard) == NARX_ERROR_ARGUMENT);
+    CHECK(narx_zero_crossing_step(&detector, &samples, &applied, 0, &received) == NARX_ERROR_ARGUMENT);
     CHECK(narx_zero_crossing_start(&detector, 0, 2) == NARX_ERROR_ARGUMENT);
-    CHECK(narx_zero_crossing_step(&detector, &samples, &coasting, 0, &heard) == NARX_OK);
-    CHECK(!heard.running && heard.crossing == INT32_MIN && heard.commutation == UINT32_MAX);
+    CHECK(narx_zero_crossing_step(&detector, &samples, &coasting, 0, &received) == NARX_OK);
+    CHECK(!received.running && received.crossing == INT32_MIN && received.commutation == UINT32_MAX);
 
     CHECK(narx_fault_settings_default(&limits) == NARX_OK);
     CHECK(narx_fault_init(&fault, sizeof fault, &limits, NULL) == NARX_OK);

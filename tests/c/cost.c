@@ -67,7 +67,7 @@ static int step_commutation(uint32_t k)
 static int step_zero_crossing(uint32_t k)
 {
     static const narx_applied_t coasting = {0xC000, NARX_STEP_COAST, 0, {0, 0}, {0, 0}};
-    narx_zero_crossing_reading_t heard;
+    narx_zero_crossing_reading_t received;
     narx_samples_t samples;
     uint32_t phase;
 
@@ -78,7 +78,7 @@ static int step_zero_crossing(uint32_t k)
 
         samples.phase_voltage[phase] = (uint16_t)(100u + (x < 32768u ? x : 65535u - x) / 82u);
     }
-    return narx_zero_crossing_step(&detector, &samples, &coasting, 0, &heard) != NARX_OK;
+    return narx_zero_crossing_step(&detector, &samples, &coasting, 0, &received) != NARX_OK;
 }
 
 static int step_fault(uint32_t k)

@@ -330,7 +330,7 @@ static void stored_parameters_are_taken(void)
     CHECK(parameter(&fresh, NARX_PARAMETER_MOTOR_POLE_PAIRS) == 7);
     CHECK(parameter(&fresh, NARX_PARAMETER_BUILD_NUMBER) == 77 && parameter(&fresh, NARX_PARAMETER_HARDWARE_RELEASE) == 3);
     CHECK(parameter(&fresh, NARX_PARAMETER_REJECTED_PARAMETER) == 65535);
-    /* The address counts from power-up on: the master of the factory's address is not heard. */
+    /* The address counts from power-up on: the master of the factory's address is not received. */
     CHECK(narx_drive_handle_frame(&fresh, &frame) == NARX_OK);
     CHECK(narx_drive_poll_frame(&fresh, &frame) == NARX_NOTHING);
     /* Refused as a whole, and the drive that was there is still there. */

@@ -68,7 +68,7 @@ static narx_answer_t ask(uint8_t kind, uint16_t number, int32_t value)
     return answer;
 }
 
-static void a_master_hears_and_asks(void)
+static void a_master_receives_and_asks(void)
 {
     narx_master_config_t config;
     narx_drive_report_t report;
@@ -502,7 +502,7 @@ static void formats_are_converted(void)
 
 int main(void)
 {
-    a_master_hears_and_asks();
+    a_master_receives_and_asks();
     the_board_is_told_and_tells();
     a_master_downloads();
     masters_are_checked();

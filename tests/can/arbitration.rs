@@ -96,7 +96,7 @@ fn full_queues_say_so() {
 }
 
 #[test]
-fn listeners_hear_and_detached_nodes_do_not() {
+fn listeners_receive_and_detached_nodes_do_not() {
     let mut bus = TestBus::new(500_000);
     let [a, b, monitor, gone] = [0; 4].map(|_| bus.attach().unwrap());
     bus.set_attachment(monitor, Attachment::ListenOnly);
@@ -144,15 +144,15 @@ proptest! {
             let mut bus = Bus::<5, 64>::new(500_000);
             let nodes = [0; 5].map(|_| bus.attach().unwrap());
             let mut pending = sends.iter().peekable();
-            let mut heard = Vec::new();
+            let mut received = Vec::new();
             for now in instants {
                 while let Some((node, id, at)) = pending.next_if(|(_, _, at)| at <= now) {
                     bus.send(nodes[*node], standard(*id, &[*node as u8]), *at).unwrap();
                 }
                 bus.advance(*now);
-                heard.extend(std::iter::from_fn(|| bus.receive(nodes[4])));
+                received.extend(std::iter::from_fn(|| bus.receive(nodes[4])));
             }
-            (heard, bus.statistics())
+            (received, bus.statistics())
         };
         let mut instants: Vec<u64> = steps.iter().scan(0, |t, step| { *t += step; Some(*t) }).collect();
         instants.push(60_000_000);

@@ -103,7 +103,7 @@ fn python_can_opens_asks_and_closes() {
 }
 
 #[test]
-fn a_host_hears_the_bus_while_the_channel_is_open() {
+fn a_host_receives_the_bus_while_the_channel_is_open() {
     let frame = standard(0x100, &[0xAA]);
     let mut adapter = Adapter::default();
     assert_eq!(adapter.handle_frame(&frame, 1), None);

@@ -60,8 +60,8 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
         let foreign = wired.device(2).place();
         // Its boot-up message is destroyed on the wire, which adds 8 to the counter each time, until it is
         // off the bus.
-        let heard = sent(&mut wired, 2);
-        assert!(heard.iter().all(|(node, _)| *node != 7), "{wrong:?}: {heard:?}");
+        let received = sent(&mut wired, 2);
+        assert!(received.iter().all(|(node, _)| *node != 7), "{wrong:?}: {received:?}");
         assert!(wired.bus.statistics().errors >= 16, "{wrong:?}: {:?}", wired.bus.statistics());
         let mut worst = ErrorState::Active;
         for _ in 0..40 {
@@ -89,7 +89,7 @@ fn a_wrong_bitrate_makes_error_frames_and_not_silence() {
         assert_eq!(
             states,
             [NmtState::Operational, NmtState::Operational, NmtState::PreOperational],
-            "{wrong:?}: it has not heard the start"
+            "{wrong:?}: it has not received the start"
         );
         // The others had errors, and work again.
         assert!(suffered, "{wrong:?}");

@@ -69,7 +69,7 @@ fn the_node_is_silent_off_the_bus_and_begins_with_the_present() {
 }
 
 #[test]
-fn a_message_that_was_lost_with_the_bus_is_told_again_once_others_are_heard() {
+fn a_message_that_was_lost_with_the_bus_is_told_again_once_others_are_received() {
     let mut bench = Bench::new(Channels::Single, &[]);
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
     assert_eq!(bench.poll(), [passive()]);
@@ -77,7 +77,7 @@ fn a_message_that_was_lost_with_the_bus_is_told_again_once_others_are_heard() {
     bench.driver.handle_bus_state(bus(ErrorState::BusOff));
     assert_eq!(bench.wait(5000), []);
     bench.driver.handle_bus_state(bus(ErrorState::Active));
-    assert_eq!(bench.wait(10_000_000), [], "nobody is heard");
+    assert_eq!(bench.wait(10_000_000), [], "nobody is received");
     bench.give(&frame(0x80, &[]));
     assert_eq!(bench.frames(), [passive()]);
     // The message has arrived now; it is not sent again the next time off the bus.

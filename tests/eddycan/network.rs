@@ -18,18 +18,18 @@ fn every_command_length_and_target_in_every_state() {
                     let mut bench = Bench { driver: bench.driver.clone(), now: bench.now };
                     let before = bench.driver.clone();
                     bench.give(&frame(0, &[command, target, 0, 0, 0, 0, 0, 0][..length]));
-                    let heard = length == 2 && target <= 1;
-                    let unknown = heard && target == 1 && !matches!(command, 1 | 2 | 0x80 | 0x81);
+                    let received = length == 2 && target <= 1;
+                    let unknown = received && target == 1 && !matches!(command, 1 | 2 | 0x80 | 0x81);
                     let expected = match command {
-                        1 if heard => NmtState::Operational,
-                        2 if heard => NmtState::Stopped,
-                        0x80 if heard => NmtState::PreOperational,
+                        1 if received => NmtState::Operational,
+                        2 if received => NmtState::Stopped,
+                        0x80 if received => NmtState::PreOperational,
                         _ => state,
                     };
                     let what = format!("{state:?} {command:02X} to {target}, {length} bytes");
                     assert_eq!(bench.driver.state(), expected, "{what}");
-                    let reset = heard && command == 0x81;
-                    if !heard {
+                    let reset = received && command == 0x81;
+                    if !received {
                         assert_eq!(bench.driver, before, "{what}");
                     }
                     let reports = if unknown { vec![FromNode::Error { code: 0x8200 }] } else { vec![] };

@@ -45,14 +45,14 @@ fn add(session: &mut Session, nodes: u8, values: &[(Entry, u32)]) {
 }
 
 /// Frames that pass on the bus within a time, with the end of each in ns.
-fn overheard(session: &mut Session, seconds: f64) -> Vec<(u64, Frame)> {
+fn monitored(session: &mut Session, seconds: f64) -> Vec<(u64, Frame)> {
     let end = session.bench().now_ns() + (seconds * 1e9) as u64;
-    let mut heard = Vec::new();
+    let mut received = Vec::new();
     while session.bench().now_ns() < end {
         session.step();
-        heard.extend(std::iter::from_fn(|| session.bench_mut().overhear()).map(|r| (r.time_ns, r.frame)));
+        received.extend(std::iter::from_fn(|| session.bench_mut().monitor()).map(|r| (r.time_ns, r.frame)));
     }
-    heard
+    received
 }
 
 fn send(session: &mut Session, message: ToNode) {
@@ -60,9 +60,9 @@ fn send(session: &mut Session, message: ToNode) {
 }
 
 /// Numbers of PDOs of a kind by node.
-fn pdos(heard: &[(u64, Frame)], wanted: PdoKind) -> BTreeMap<u8, u32> {
+fn pdos(received: &[(u64, Frame)], wanted: PdoKind) -> BTreeMap<u8, u32> {
     let mut found = BTreeMap::new();
-    for (_, frame) in heard {
+    for (_, frame) in received {
         if let Some((node, FromNode::Pdo { kind, .. })) = read(frame, LAYOUT)
             && kind == wanted
         {
@@ -83,9 +83,9 @@ fn half_of_the_bus_is_half_of_the_bus() {
         let periods = 1_200_000 / period;
         let window = periods * period * 1000;
         let (from, before) = (session.bench().now_ns(), session.bench().bus_statistics());
-        let heard = overheard(&mut session, window as f64 * 1e-9 + 1e-3);
+        let received = monitored(&mut session, window as f64 * 1e-9 + 1e-3);
         let inside: Vec<(u64, Frame)> =
-            heard.into_iter().filter(|(at, _)| (from..from + window).contains(at)).collect();
+            received.into_iter().filter(|(at, _)| (from..from + window).contains(at)).collect();
         let found = pdos(&inside, PdoKind::Timer);
         let count: u32 = found.values().sum();
         let bits = f64::from(count) * f64::from(worst_case_bits(false, LAYOUT.length()));
@@ -111,7 +111,7 @@ fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(
     let mut worst = 0;
     for request in 0..requests {
         // Each request at another phase of the nodes' period.
-        overheard(session, 0.0173);
+        monitored(session, 0.0173);
         meanwhile(session);
         let read = request % 2 == 0;
         let message = match read {
@@ -121,7 +121,7 @@ fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(
         let sent = session.bench().now_ns();
         session.bench_mut().send(message.encode(Addresses::FACTORY)).unwrap();
         let answered =
-            overheard(session, 0.06).into_iter().find(|(_, frame)| match FromDrive::decode(frame) {
+            monitored(session, 0.06).into_iter().find(|(_, frame)| match FromDrive::decode(frame) {
                 Ok((_, FromDrive::Parameter { number: 99, .. })) => read,
                 Ok((_, FromDrive::MotorCommand { speed })) => !read && speed > 0,
                 _ => false,
@@ -133,9 +133,10 @@ fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(
 
 /// Longest time from one STATUS_WORD to the next, ms; the drive sends one every 50 ms.
 fn longest_silence(session: &mut Session) -> f64 {
-    let heard = overheard(session, 2.0);
-    let words =
-        heard.iter().filter(|(_, frame)| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Status(_)))));
+    let received = monitored(session, 2.0);
+    let words = received
+        .iter()
+        .filter(|(_, frame)| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Status(_)))));
     let times: Vec<u64> = words.map(|(at, _)| *at).collect();
     assert!(times.len() > 30, "{}", times.len());
     times.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap() as f64 * 1e-6
@@ -185,17 +186,17 @@ fn a_bus_has_room_for_127() {
 fn a_sync_of_127_nodes() {
     let mut session = session();
     add(&mut session, 127, &[]);
-    let boots = overheard(&mut session, 0.05);
+    let boots = monitored(&mut session, 0.05);
     assert_eq!(
         boots.iter().filter(|(_, frame)| frame.id().raw() > 0x700 && !frame.id().is_extended()).count(),
         127
     );
     send(&mut session, ToNode::Nmt { command: NmtCommand::Start, target: Target::All });
-    overheard(&mut session, 0.005);
+    monitored(&mut session, 0.005);
     let sent = session.bench().now_ns();
     send(&mut session, ToNode::Sync);
-    let heard = overheard(&mut session, 0.05);
-    let answers: Vec<(u64, u8)> = heard
+    let received = monitored(&mut session, 0.05);
+    let answers: Vec<(u64, u8)> = received
         .iter()
         .filter_map(|(at, frame)| match read(frame, LAYOUT)? {
             (node, FromNode::Pdo { kind: PdoKind::Sync, .. }) => Some((*at, node)),
@@ -215,19 +216,19 @@ fn a_sync_of_127_nodes() {
 fn remote_frames_ask_node_by_node() {
     let mut session = session();
     add(&mut session, 127, &[(Entry::CanConfig, 1)]);
-    overheard(&mut session, 0.05);
+    monitored(&mut session, 0.05);
     for id in [1, 64, 127] {
         send(&mut session, ToNode::RequestPdo { node: node(id), bytes: 4 });
-        let found = pdos(&overheard(&mut session, 0.005), PdoKind::Remote);
+        let found = pdos(&monitored(&mut session, 0.005), PdoKind::Remote);
         assert_eq!(found, BTreeMap::from([(id, 1)]));
     }
-    let mut heard = Vec::new();
+    let mut received = Vec::new();
     for id in 1..=127 {
         send(&mut session, ToNode::RequestPdo { node: node(id), bytes: 4 });
-        heard.extend(overheard(&mut session, 0.000_5));
+        received.extend(monitored(&mut session, 0.000_5));
     }
-    heard.extend(overheard(&mut session, 0.05));
-    let found = pdos(&heard, PdoKind::Remote);
+    received.extend(monitored(&mut session, 0.05));
+    let found = pdos(&received, PdoKind::Remote);
     assert_eq!(found.len(), 127);
     assert!(found.values().all(|count| *count == 1));
 }
@@ -241,7 +242,7 @@ fn a_running_motor_is_measured() {
     session.run(1.0);
     let (mut low, mut high) = (f64::MAX, f64::MIN);
     let mut frames = 0;
-    for (_, frame) in overheard(&mut session, 0.2) {
+    for (_, frame) in monitored(&mut session, 0.2) {
         if let Some((1, FromNode::Pdo { reading, .. })) = read(&frame, LAYOUT) {
             let position = f64::from(reading.positions[0].raw()) / 134_217_728.0;
             (low, high) = (low.min(position), high.max(position));
@@ -268,8 +269,8 @@ fn the_same_bits_every_time() {
         let mut session = Session::new(&config).unwrap();
         add(&mut session, 3, &[(Entry::CanConfig, 1), (Entry::UpdateTime, 5)]);
         session.start(1500);
-        let heard = overheard(&mut session, 1.0);
-        (heard, session.bench().digest())
+        let received = monitored(&mut session, 1.0);
+        (received, session.bench().digest())
     };
     let first = run(1);
     assert_eq!(first, run(1));

@@ -112,7 +112,7 @@ def test_the_adapter_tells_its_version_and_serial_number(master):
     assert master.bus.get_serial_number(30) == "NARX"
 
 
-def test_an_adapter_at_another_bitrate_hears_and_says_nothing(master):
+def test_an_adapter_at_another_bitrate_receives_and_says_nothing(master):
     master.wait(1.0, lambda: STATUS_WORD in master.seen, "broadcast after power-up")
     master.bus.set_bitrate(250_000)
     # The adapter still answers, and its answer follows the frames that it had already queued.

@@ -23,7 +23,7 @@ def test_every_line_of_the_log_is_a_frame():
     assert all(a.timestamp <= b.timestamp for a, b in zip(read, read[1:]))
 
 
-def test_the_drive_obeys_the_request_word():
+def test_the_drive_accepts_the_request_word():
     read = frames()
     drive = next(f for f in read if f.arbitration_id == REQUEST and f.data[3] == 1)
     assert bytes(drive.data) == bytes([0, 0, 0, 1, 0, 0, 0, 0])

@@ -42,11 +42,11 @@ def connect(drive):
 
 
 class Client:
-    """Somebody on the bus: keeps what it hears, and commands once it has a mode."""
+    """Somebody on the bus: keeps what it receives, and commands once it has a mode."""
 
     def __init__(self, bus):
         self.bus = bus
-        self.heard = []
+        self.received = []
         self.mode = None
         self.rpm = 0
         self._due = 0.0
@@ -63,7 +63,7 @@ class Client:
             self.send("REQUEST_WORD", 0, self.mode)
         message = self.bus.recv(0.01)
         if message is not None:
-            self.heard.append((message.arbitration_id, bytes(message.data)))
+            self.received.append((message.arbitration_id, bytes(message.data)))
         return message
 
     def run(self, seconds):
@@ -80,7 +80,7 @@ class Client:
     def last(self, name):
         """The last message of this name, decoded; None if there is none."""
         identifier = DATABASE.get_message_by_name(name).frame_id
-        data = next((data for heard, data in reversed(self.heard) if heard == identifier), None)
+        data = next((data for received, data in reversed(self.received) if received == identifier), None)
         return None if data is None else DATABASE.decode_message(identifier, data, decode_choices=False)
 
     @property
@@ -88,13 +88,13 @@ class Client:
         return self.last("MEASUREMENT_5")["Mechanical_estimated_speed_HES"]
 
     def answers(self, number, since=0):
-        """The drive's words about a parameter among what was heard since: raw values, each with its status."""
+        """The drive's words about a parameter among what was received since: raw values, each with its status."""
         identifier = DATABASE.get_message_by_name("PARAMETER").frame_id
-        words = (struct.unpack(">HiH", data) for heard, data in self.heard[since:] if heard == identifier)
+        words = (struct.unpack(">HiH", data) for received, data in self.received[since:] if received == identifier)
         return [(value, status) for about, value, status in words if about == number]
 
     def ask(self, number, message, *words):
-        since = len(self.heard)
+        since = len(self.received)
         self.send(message, number, *words)
         self.wait(5.0, lambda: self.answers(number, since), f"answer about parameter {number}")
         return self.answers(number, since)[0]
@@ -113,15 +113,15 @@ class Client:
     def download(self, request, words, data, count):
         """Asks, and puts three words of each data frame behind each other."""
         identifier = DATABASE.get_message_by_name(data).frame_id
-        content, seen = bytearray(), len(self.heard)
+        content, seen = bytearray(), len(self.received)
 
         def is_complete():
             nonlocal seen
-            for heard, payload in self.heard[seen:]:
-                if heard == identifier:
+            for received, payload in self.received[seen:]:
+                if received == identifier:
                     assert 2 * int.from_bytes(payload[0:2], "big") == len(content), "in order and without a gap"
                     content.extend(payload[2:8])
-            seen = len(self.heard)
+            seen = len(self.received)
             return len(content) >= 2 * count
 
         self.send(request, *words)
@@ -131,14 +131,14 @@ class Client:
 
     def count(self, name, since=0):
         identifier = DATABASE.get_message_by_name(name).frame_id
-        return sum(heard == identifier for heard, _ in self.heard[since:])
+        return sum(received == identifier for received, _ in self.received[since:])
 
 
 def between_marks(client, own=()):
-    """What a client heard between the first and the last answer about the marks, without some messages."""
-    answers = [place for place, (heard, _) in enumerate(client.heard) if heard == DATABASE.get_message_by_name("PARAMETER").frame_id]
+    """What a client received between the first and the last answer about the marks, without some messages."""
+    answers = [place for place, (received, _) in enumerate(client.received) if received == DATABASE.get_message_by_name("PARAMETER").frame_id]
     ids = {DATABASE.get_message_by_name(name).frame_id for name in own}
-    return [frame for frame in client.heard[answers[0] : answers[-1] + 1] if frame[0] not in ids]
+    return [frame for frame in client.received[answers[0] : answers[-1] + 1] if frame[0] not in ids]
 
 
 COMMANDS = ["REQUEST_WORD", "MOTOR_CMD_SET", "PARAMETER_REQUEST", "PARAMETER_SET"]
@@ -165,8 +165,8 @@ def test_one_client_spins_the_motor_and_another_overhears_every_frame(connect):
     listener.wait(10.0, lambda: listener.count("PARAMETER") == answers, "last answer")
 
     ids = {DATABASE.get_message_by_name(name).frame_id for name in COMMANDS}
-    assert not ids & {heard for heard, _ in master.heard}, "nobody hears himself"
-    assert ids - {DATABASE.get_message_by_name("PARAMETER_SET").frame_id} <= {heard for heard, _ in listener.heard}
+    assert not ids & {received for received, _ in master.received}, "nobody receives his own frames"
+    assert ids - {DATABASE.get_message_by_name("PARAMETER_SET").frame_id} <= {received for received, _ in listener.received}
     of_the_drive = between_marks(master)
     assert len(of_the_drive) > 100
     assert between_marks(listener, COMMANDS) == of_the_drive
@@ -191,7 +191,7 @@ def test_the_example_of_the_page_spins_the_motor(drive, capsys, monkeypatch):
 def speeds(client):
     identifier = DATABASE.get_message_by_name("MEASUREMENT_5").frame_id
     name = "Mechanical_estimated_speed_HES"
-    return [DATABASE.decode_message(heard, data)[name] for heard, data in client.heard if heard == identifier]
+    return [DATABASE.decode_message(received, data)[name] for received, data in client.received if received == identifier]
 
 
 def test_parameters_are_read_and_written_and_everybody_sees_the_answers(connect):
@@ -264,7 +264,7 @@ def test_rubbish_and_clients_that_break_off_or_never_read_disturb_nobody(drive, 
     brief.sendall(b"O\rT0AAD520280000")
     brief.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     brief.close()
-    before, start = len(master.heard), time.monotonic()
+    before, start = len(master.received), time.monotonic()
     while time.monotonic() < start + 3.0:
         try:
             shouter.send(rubbish)
@@ -335,7 +335,7 @@ def test_the_terminal_is_raw_and_quiet_until_its_channel_is_opened(drive):
         os.close(terminal)
 
 
-def test_who_listens_only_is_not_heard(connect):
+def test_who_listens_only_is_not_received(connect):
     listener, other = Client(connect("tcp", listen_only=True)), Client(connect("tcp"))
     other.wait(5.0, lambda: other.last("STATUS_WORD"), "broadcast")
     listener.send("PARAMETER_REQUEST", STATE)
@@ -358,7 +358,7 @@ def test_the_link_goes_with_the_drive(tmp_path):
 def test_simulated_time_follows_the_clock_and_makes_up_for_a_stall(drive, connect):
     client = Client(connect("tcp"))
     client.wait(5.0, lambda: client.last("STATUS_WORD"), "broadcast")
-    client.heard.clear()
+    client.received.clear()
     start = time.monotonic()
     client.run(1.0)
     drive.process.send_signal(signal.SIGSTOP)

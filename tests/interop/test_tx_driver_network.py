@@ -42,7 +42,7 @@ def state(master, node):
     master.network.sync.transmit()
     master.send(REQUEST + node, READ)
     master.settle()
-    answers, positions = master.heard(ANSWER + node, since), master.heard(PDO2 + node, since)
+    answers, positions = master.received(ANSWER + node, since), master.received(PDO2 + node, since)
     if not positions and answers == [sdo(0x4F, 0x2002, 0, b"\x01")]:
         return PRE_OPERATIONAL
     if len(positions) == 1 and answers == [aborted(0x2002, 0, GENERAL)]:
@@ -104,7 +104,7 @@ def test_what_is_no_command_changes_nothing(master):
     # A request of CANopen's node guarding.
     master.send_remote(HEARTBEAT + 2, 1)
     assert state(master, 2) == PRE_OPERATIONAL
-    assert master.heard(HEARTBEAT + 2, since) == [] and master.heard(ERROR + 2, since) == []
+    assert master.received(HEARTBEAT + 2, since) == [] and master.received(ERROR + 2, since) == []
 
 
 def test_without_its_bit_there_is_no_heartbeat_but_the_boot_up(master):
@@ -113,7 +113,7 @@ def test_without_its_bit_there_is_no_heartbeat_but_the_boot_up(master):
     since = master.now
     assert master.restart(2) == [BOOT_UP]
     master.let_pass(2 * HEARTBEAT_SECONDS + 0.2)
-    assert master.heard(HEARTBEAT + 2, since) == [BOOT_UP]
+    assert master.received(HEARTBEAT + 2, since) == [BOOT_UP]
 
 
 def test_a_heartbeat_tells_the_state_every_two_seconds(master):
@@ -134,14 +134,14 @@ def test_a_heartbeat_tells_the_state_every_two_seconds(master):
         assert set(told) == {state}
         places = [place for place, frame in enumerate(master.ears.frames) if frame.arbitration_id == HEARTBEAT + 2][-3:]
         for first, second in zip(places, places[1:]):
-            words = len(master.heard(STATUS, first, second))
+            words = len(master.received(STATUS, first, second))
             assert abs(words - HEARTBEAT_SECONDS / BROADCAST_SECONDS) <= 1, f"{words * BROADCAST_SECONDS:.2f} s"
     node.nmt.state = "PRE-OPERATIONAL"
     master.settle()
     node.sdo["Can Config Register"].raw = 0
     since = master.now
     master.let_pass(HEARTBEAT_SECONDS + 0.2)
-    assert master.heard(HEARTBEAT + 2, since) == []
+    assert master.received(HEARTBEAT + 2, since) == []
 
 
 def test_a_node_becomes_operational_by_itself(master):
@@ -173,14 +173,14 @@ def test_an_unknown_command_is_a_protocol_error_low_byte_first(master):
     # does not list it.
     since = master.now
     master.command(130, 2)
-    assert master.heard(ERROR + 2, since) == [b"\x00\x82"]
-    assert master.heard(ERROR + 3, since) == [], "it was not meant"
-    assert state(master, 2) == PRE_OPERATIONAL and master.heard(HEARTBEAT + 2, since) == []
+    assert master.received(ERROR + 2, since) == [b"\x00\x82"]
+    assert master.received(ERROR + 3, since) == [], "it was not meant"
+    assert state(master, 2) == PRE_OPERATIONAL and master.received(HEARTBEAT + 2, since) == []
     # An unknown command to all nodes causes no error message: otherwise one command would fill the bus.
     master.let_pass(1.0)
     since = master.now
     master.command(130, 0)
-    assert master.heard(ERROR + 2, since) + master.heard(ERROR + 3, since) == []
+    assert master.received(ERROR + 2, since) + master.received(ERROR + 3, since) == []
     # An error message has two bytes, but python-canopen's consumer expects eight. Therefore python-can reads
     # it above.
     assert node.emcy.log == []
@@ -193,12 +193,12 @@ def test_errors_are_told_once_a_second_at_most(master):
     for command in range(3, 0x80):
         master.send(NMT, bytes([command, 2]))
     master.settle()
-    assert master.heard(ERROR + 2, since) == [b"\x00\x82"]
+    assert master.received(ERROR + 2, since) == [b"\x00\x82"]
     for command in (0x00, 0x82, 0xFF):
         master.let_pass(1.0)
         since = master.now
         master.command(command, 2)
-        assert master.heard(ERROR + 2, since) == [b"\x00\x82"], f"{command:02X}h"
+        assert master.received(ERROR + 2, since) == [b"\x00\x82"], f"{command:02X}h"
 
 
 @pytest.mark.parametrize("name", ["SLEEP", "STANDBY", "RESET COMMUNICATION"])
@@ -208,7 +208,7 @@ def test_states_that_only_canopen_has(master, name):
     since = master.now
     node.nmt.state = name
     assert state(master, 2) == PRE_OPERATIONAL
-    assert master.heard(ERROR + 2, since) == [b"\x00\x82"]
+    assert master.received(ERROR + 2, since) == [b"\x00\x82"]
 
 
 def test_a_neighbour_at_another_bitrate_makes_a_node_error_passive(master):
@@ -225,10 +225,10 @@ def test_a_neighbour_at_another_bitrate_makes_a_node_error_passive(master):
     # message was sent, it sends the message again a second later.
     master.wait(ERROR + 2, since)
     master.let_pass(2.0)
-    assert set(master.heard(ERROR + 2, since)) == {b"\x20\x81"}
-    assert len(master.heard(ERROR + 2, since)) <= 3, "once a second"
+    assert set(master.received(ERROR + 2, since)) == {b"\x20\x81"}
+    assert len(master.received(ERROR + 2, since)) <= 3, "once a second"
     peace = master.now
     master.let_pass(1.5)
-    assert master.heard(ERROR + 2, peace) == []
-    assert len(master.heard(PDO1 + 2, master.now - 100)) > 50, "and it goes on"
-    assert master.heard(HEARTBEAT + 3, since) == []
+    assert master.received(ERROR + 2, peace) == []
+    assert len(master.received(PDO1 + 2, master.now - 100)) > 50, "and it goes on"
+    assert master.received(HEARTBEAT + 3, since) == []

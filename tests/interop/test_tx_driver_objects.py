@@ -280,7 +280,7 @@ def test_the_state_decides_who_is_answered(bus):
     master.send(REQUEST + NODE, sdo(READ, 0x2002))
     master.send(REQUEST + NODE, sdo(WRITE, 0x2002, 0, b"\x06"))
     master.settle()
-    assert master.heard(ANSWER + NODE, since) == []
+    assert master.received(ANSWER + NODE, since) == []
     node.sdo.RESPONSE_TIMEOUT = 0.3
     with pytest.raises(canopen.SdoCommunicationError):
         node.sdo.upload(0x2002, 0)
@@ -317,8 +317,8 @@ def test_a_node_id_acts_after_a_restart(bus):
     master.command(START, 0)
     master.network.sync.transmit()
     master.settle()
-    assert master.heard(ANSWER + NODE, since) == []
-    assert (len(master.heard(PDO2 + NODE, since)), len(master.heard(PDO2 + 9, since))) == (0, 1)
+    assert master.received(ANSWER + NODE, since) == []
+    assert (len(master.received(PDO2 + NODE, since)), len(master.received(PDO2 + 9, since))) == (0, 1)
     assert 9 in master.network.scanner.nodes
 
 
@@ -333,5 +333,5 @@ def test_a_bitrate_acts_after_a_restart(bus):
     master.send(REQUEST + NODE, sdo(READ, 0x2001))
     master.settle()
     # At 250 kbit/s the node can neither receive nor send frames; the drive goes on.
-    assert master.heard(HEARTBEAT + NODE, since) == []
-    assert master.heard(ANSWER + NODE, since) == []
+    assert master.received(HEARTBEAT + NODE, since) == []
+    assert master.received(ANSWER + NODE, since) == []

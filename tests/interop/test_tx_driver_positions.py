@@ -99,10 +99,10 @@ def test_a_sync_asks_all_nodes_and_must_be_empty(master):
     for length in range(9):
         master.send_remote(SYNC, length)
     master.settle()
-    assert [master.heard(PDO2 + node.id, since) for node in nodes] == [[], [], []]
+    assert [master.received(PDO2 + node.id, since) for node in nodes] == [[], [], []]
     master.network.sync.transmit()
     master.settle()
-    assert [[len(data) for data in master.heard(PDO2 + node.id, since)] for node in nodes] == [[4], [8], []]
+    assert [[len(data) for data in master.received(PDO2 + node.id, since)] for node in nodes] == [[4], [8], []]
 
 
 def test_only_a_remote_frame_of_the_exact_length_is_answered(operational):
@@ -112,7 +112,7 @@ def test_only_a_remote_frame_of_the_exact_length_is_answered(operational):
         since = master.now
         master.send_remote(PDO3 + NODE, dlc)
         master.settle()
-        assert [len(data) for data in master.heard(PDO3 + NODE, since)] == ([length] if dlc == length else []), dlc
+        assert [len(data) for data in master.received(PDO3 + NODE, since)] == ([length] if dlc == length else []), dlc
     # Data frames with the identifier trigger nothing; remote frames for other PDOs or nodes neither.
     since = master.now
     master.send(PDO3 + NODE, bytes(length))
@@ -134,7 +134,7 @@ def test_nothing_comes_but_in_operational(master):
         master.let_pass(0.1)
         assert [frame for frame in master.ears.frames[since:] if not frame.is_extended_id] == []
         master.command(START, NODE)
-        assert len(master.heard(PDO1 + NODE, since)) > 1
+        assert len(master.received(PDO1 + NODE, since)) > 1
 
 
 def count(master, identifier, words):
@@ -142,7 +142,7 @@ def count(master, identifier, words):
     since = master.now
     master.wait(STATUS, since, words + 1)
     places = [since + place for place, frame in enumerate(master.ears.frames[since:]) if frame.arbitration_id == STATUS]
-    return len(master.heard(identifier, places[0], places[words]))
+    return len(master.received(identifier, places[0], places[words]))
 
 
 @pytest.mark.parametrize("milliseconds, words", [(1, 10), (7, 40), (50, 40), (1000, 100)])

@@ -86,7 +86,7 @@ class Master:
         """Number of frames received so far: a position in the list of frames."""
         return len(self.ears.frames)
 
-    def heard(self, identifier, since, until=None):
+    def received(self, identifier, since, until=None):
         """Returns the data of all frames with an identifier between two positions of the list."""
         frames = self.ears.frames[since:until]
         return [bytes(frame.data) for frame in frames if frame.arbitration_id == identifier and not frame.is_remote_frame]
@@ -95,7 +95,7 @@ class Master:
         """Waits for `count` frames with an identifier, and returns their data."""
         end = time.monotonic() + PATIENCE
         with self.ears.came:
-            while len(found := self.heard(identifier, since)) < count:
+            while len(found := self.received(identifier, since)) < count:
                 left = end - time.monotonic()
                 assert left > 0, f"{len(found)} of {count} frames {identifier:03X}h after {PATIENCE} s"
                 self.ears.came.wait(left)
@@ -136,7 +136,7 @@ class Master:
         number = number or node
         assert self.wait(HEARTBEAT + number, since)[0] == BOOT_UP
         self.settle()
-        return self.heard(HEARTBEAT + number, since)
+        return self.received(HEARTBEAT + number, since)
 
 
 def sdo(command, index, subindex=0, data=b""):

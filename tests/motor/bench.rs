@@ -1,7 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
 use narx_core::motor::machine::event::SlowMeasurements;
-use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
+use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, RunRequest, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
@@ -55,7 +55,7 @@ pub(crate) struct Closed {
     pub set_point: f64,
     /// Command of the last tick.
     pub output: PwmCommand,
-    request: Request,
+    request: RunRequest,
     mode: Mode,
     rated_current: Option<f64>,
 }
@@ -94,7 +94,7 @@ impl Closed {
             watched: None,
             set_point: RPM,
             output: PwmCommand::default(),
-            request: Request::Standby,
+            request: RunRequest::Standby,
             mode,
             rated_current,
         }
@@ -106,7 +106,7 @@ impl Closed {
         self.handle_event(Event::Coefficients(coefficients));
     }
 
-    pub(crate) fn ask(&mut self, request: Request) {
+    pub(crate) fn ask(&mut self, request: RunRequest) {
         self.request = request;
         self.handle_event(self.command());
     }

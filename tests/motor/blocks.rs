@@ -14,7 +14,7 @@ use narx_core::motor::machine::{Change, Inputs};
 use narx_core::motor::rotor::zero_crossing::Why;
 use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{
-    Cause, Direction, FaultWord, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
+    Cause, Direction, FaultWord, Leg, PwmCommand, RunRequest, SampleMode, Samples, State, Step,
 };
 use narx_core::units::{Amps, ElectricalSpeed, Volts};
 use proptest::prelude::*;
@@ -360,14 +360,14 @@ fn state_machine_goes_through_its_table() {
     let mut rows = Vec::new();
     // Milliseconds, request (repeated every 100 ms), expected state.
     for (time, request, state) in [
-        (501, Some(Request::Standby), State::Standby),
-        (200, Some(Request::Drive), State::HallClosedLoop),
-        (200, Some(Request::Standby), State::Standby),
-        (200, Some(Request::Reverse), State::HallClosedLoop),
+        (501, Some(RunRequest::Standby), State::Standby),
+        (200, Some(RunRequest::Drive), State::HallClosedLoop),
+        (200, Some(RunRequest::Standby), State::Standby),
+        (200, Some(RunRequest::Reverse), State::HallClosedLoop),
         (149, None, State::HallClosedLoop),
         (2, None, State::Fault),
         (600, None, State::Fault),
-        (100, Some(Request::Standby), State::Standby),
+        (100, Some(RunRequest::Standby), State::Standby),
     ] {
         for tick in 0..time * 10 {
             if let Some(request) = request.filter(|_| tick % 1000 == 0) {

@@ -5,7 +5,7 @@ use crate::scripted::{BOOT, Scripted, bus_code};
 use crate::support::coefficients;
 use narx_core::dictionary::number;
 use narx_core::motor::machine::event::Health;
-use narx_core::motor::{Event, FaultWord, Request, State};
+use narx_core::motor::{Event, FaultWord, RunRequest, State};
 
 fn drive(changes: &[(u16, i32)]) -> Scripted {
     Scripted::new(coefficients(changes), ScriptedRotor::new(0.2, 0.0, true), 0)
@@ -27,14 +27,14 @@ fn standby_after_half_a_second_to_the_tick() {
 #[test]
 fn drive_requested_during_boot_starts_nothing() {
     let mut script = drive(&[(number::HALL_ENABLE, 1)]);
-    script.request = Request::Drive;
+    script.request = RunRequest::Drive;
     for _ in 0..BOOT + 5_000 {
         script.tick(|_| {});
         assert!(!script.drive.state().is_driving());
     }
-    script.ask(Request::Standby);
+    script.ask(RunRequest::Standby);
     script.tick(|_| {});
-    script.ask(Request::Drive);
+    script.ask(RunRequest::Drive);
     script.tick(|_| {});
     assert_eq!(script.drive.state(), State::HallClosedLoop);
 }

@@ -5,7 +5,7 @@ use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
 use narx_core::motor::machine::event::{HallCalibration, HallWiring, Limiter};
 use narx_core::motor::rotor::hall::sectors;
-use narx_core::motor::{Cause, Event, FaultWord, Request, State};
+use narx_core::motor::{Cause, Event, FaultWord, RunRequest, State};
 use narx_sim::plant::{HallConfig, Injection, Phase, PlantConfig};
 
 /// Largest peak of any phase current at any time: 12 A (Table 1) and 10 %.
@@ -35,7 +35,7 @@ fn every_wrong_wiring_runs_or_faults() {
     for (order, polarity) in (0..6).flat_map(|order| (0..8).map(move |polarity| (order, polarity))) {
         let mut closed = Closed::new(&wired(order, polarity), &[]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         let outcome = closed.run(20_000);
         fastest = fastest.max(closed.fastest);
         let right = (order, polarity) == (0, 0);
@@ -82,7 +82,7 @@ fn every_wrong_wiring_runs_or_faults() {
 fn reversal_comes_to_rest_first() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
     closed.boot();
-    for (request, sign) in [(Request::Drive, 1.0), (Request::Reverse, -1.0), (Request::Drive, 1.0)] {
+    for (request, sign) in [(RunRequest::Drive, 1.0), (RunRequest::Reverse, -1.0), (RunRequest::Drive, 1.0)] {
         closed.ask(request);
         let mut standby = 0;
         for _ in 0..60_000 {
@@ -129,7 +129,7 @@ fn every_fault_from_its_physical_cause() {
     let changes = [(number::SHUTDOWN_INPUT, 1), (number::CRITICAL_FAULT_MASK, 0xFC00_00FE_u32.cast_signed())];
     let mut running = Closed::new(&wired(0, 0), &changes);
     running.boot();
-    running.ask(Request::Drive);
+    running.ask(RunRequest::Drive);
     assert_eq!(running.run(20_000), Outcome::Running);
     println!("cause               code  ticks  peak A");
     let mut failures = Vec::new();
@@ -160,7 +160,7 @@ fn every_fault_from_its_physical_cause() {
 fn warm_is_a_warning() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     assert_eq!(closed.run(15_000), Outcome::Running);
     closed.plant.inject(Injection::Ambient(186.0));
     assert_eq!(closed.run(2_000), Outcome::Running);
@@ -172,7 +172,7 @@ fn warm_is_a_warning() {
 fn silence_becomes_a_fault() {
     let mut closed = Closed::new(&wired(0, 0), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.silent = true;
     assert_eq!(closed.run(10_000), Outcome::Fault { ticks: 2_500, code: 0x1D01 });
     assert!(closed.status.critical.contains(FaultWord::DEVICE_TIMEOUT));
@@ -214,7 +214,7 @@ fn calibration_finds_every_wiring() {
         let mut closed = Closed::new(&config, &[]);
         closed.boot();
         closed.drive.handle_event(Event::CalibrateHall(true));
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         let ended = (0..100_000).any(|_| {
             closed.tick();
             !closed.drive.state().is_driving()
@@ -237,9 +237,10 @@ fn calibration_finds_every_wiring() {
             (number::STANDARD_HALL_SEQUENCE, 0),
             (number::HALL_OFFSET_ANGLE, degrees),
         ]);
-        closed.ask(Request::Standby);
+        closed.ask(RunRequest::Standby);
         closed.tick();
-        let (request, sign) = if number % 2 == 0 { (Request::Drive, 1.0) } else { (Request::Reverse, -1.0) };
+        let (request, sign) =
+            if number % 2 == 0 { (RunRequest::Drive, 1.0) } else { (RunRequest::Reverse, -1.0) };
         closed.ask(request);
         closed.peak = 0.0;
         assert_eq!(closed.run(12_000), Outcome::Running, "{context}");

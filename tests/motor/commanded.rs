@@ -9,5 +9,5 @@ pub(crate) fn commanded_tick(bench: &mut Bench, master: &mut Master) {
         bench.send(frame).unwrap();
     }
     bench.step();
-    while bench.receive().is_some() || bench.overhear().is_some() {}
+    while bench.receive().is_some() || bench.monitor().is_some() {}
 }

@@ -4,7 +4,7 @@
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
 use narx_core::motor::machine::event::Health;
-use narx_core::motor::{Cause, Event, Request, State};
+use narx_core::motor::{Cause, Event, RunRequest, State};
 use narx_sim::plant::{Injection, LoadConfig, PlantConfig, SupplyConfig};
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ fn config() -> PlantConfig {
 fn started(build: Build, changes: Changes<'_>) -> Closed {
     let mut closed = build(&config(), changes);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed
 }
 
@@ -63,7 +63,7 @@ fn ways(closed: &mut Closed, states: &[State]) -> Vec<u32> {
 /// Acknowledges a fault whose cause has gone: requests Standby, and waits for it.
 fn acknowledge(closed: &mut Closed) {
     closed.silent = false;
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     reaches(closed, State::Standby);
 }
 
@@ -91,11 +91,11 @@ fn a_drive_takes_the_transitions_of_hall_and_open_loop() {
     reaches(&mut closed, Fault);
     closed.plant.clear_all();
     acknowledge(&mut closed);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     reaches(&mut closed, HallClosedLoop);
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     reaches(&mut closed, Standby);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     reaches(&mut closed, HallClosedLoop);
     closed.silent = true;
     reaches(&mut closed, Fault);
@@ -104,9 +104,9 @@ fn a_drive_takes_the_transitions_of_hall_and_open_loop() {
     reaches(&mut closed, Fault);
     let mut closed = started(open_loop, &[]);
     reaches(&mut closed, OpenLoop);
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     reaches(&mut closed, Standby);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     reaches(&mut closed, OpenLoop);
     closed.silent = true;
     reaches(&mut closed, Fault);
@@ -128,7 +128,7 @@ fn a_drive_takes_the_transitions_of_a_sensorless_start() {
             }
             closed.silent = silent;
             if !silent {
-                closed.ask(Request::Standby);
+                closed.ask(RunRequest::Standby);
             }
             reaches(&mut closed, if silent { Fault } else { Standby });
         }
@@ -154,12 +154,12 @@ fn times_of_states_are_their_parameters() {
         closed.plant.inject(Injection::Break);
         reaches(&mut closed, State::Fault);
         closed.plant.clear_all();
-        closed.ask(Request::Standby);
+        closed.ask(RunRequest::Standby);
         near(milliseconds(reaches(&mut closed, State::Standby)), value.into(), "wait in Fault");
     }
     for value in [100, 400] {
         let mut closed = running(Closed::new, &[(number::CAN_TIMEOUT, value)]);
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.silent = true;
         near(milliseconds(reaches(&mut closed, State::Fault)), value.into(), "time-out");
         assert_eq!(closed.status.extended_code, Cause::CommandTimeout as u16);
@@ -197,7 +197,7 @@ fn times_of_a_still_rotor_are_their_parameters() {
         let mut closed = running(Closed::sensorless, &[(number::ZC_PERIOD_MAX, ticks)]);
         // So slow that the time-out ends before the limit of blind steps.
         closed.set_point = 600.0;
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(10_000);
         closed.plant.inject(Injection::BlockedRotor);
         reaches(&mut closed, State::SensorlessAutoRestart)
@@ -448,7 +448,7 @@ fn a_motor_that_is_held_again_and_again_is_a_stall() {
         if held != Outcome::Running || closed.run(15_000) != Outcome::Running {
             break;
         }
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
     }
     assert_eq!(closed.status.extended_code, Cause::SensorlessStall as u16, "{:?}", closed.drive.state());
 }

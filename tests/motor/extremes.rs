@@ -4,7 +4,8 @@
 use narx_core::dictionary::{Access, Category, Dictionary, Parameters, number};
 use narx_core::motor::machine::event::SlowMeasurements;
 use narx_core::motor::{
-    Board, Coefficients, Command, Drive, Edge, EdgeSource, Event, Leg, Lines, Request, Samples, State, Step,
+    Board, Coefficients, Command, Drive, Edge, EdgeSource, Event, Leg, Lines, RunRequest, Samples, State,
+    Step,
 };
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use proptest::prelude::*;
@@ -118,7 +119,7 @@ proptest! {
             if number == 1 && let Some(other) = built(&live, mode, &board) {
                 drive.handle_event(Event::Coefficients(other));
             }
-            let request = if *forward { Request::Drive } else { Request::Reverse };
+            let request = if *forward { RunRequest::Drive } else { RunRequest::Reverse };
             drive.handle_event(Event::Command(Command { request, speed: ElectricalSpeed::from_bits(*speed) }));
             for _ in 0..*ticks {
                 let output = drive.step(samples);
@@ -149,7 +150,7 @@ fn extreme_sets_build_and_run() {
             drive.handle_event(Event::Command(Command::default()));
             drive.step(&healthy);
         }
-        drive.handle_event(Event::Command(Command { request: Request::Drive, ..Command::default() }));
+        drive.handle_event(Event::Command(Command { request: RunRequest::Drive, ..Command::default() }));
         let driven = (0..20).any(|_| drive.step(&healthy).step.legs() != [Leg::Floating; 3]);
         ran += u32::from(driven || drive.state() == State::HallClosedLoop);
     }

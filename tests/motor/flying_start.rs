@@ -2,7 +2,7 @@
 //! bus limit first.
 
 use crate::bench::{Closed, MOTOR, RPM};
-use narx_core::motor::{Request, State, Step};
+use narx_core::motor::{RunRequest, State, Step};
 use narx_sim::plant::{Injection, LoadConfig, Plant, PlantConfig};
 
 /// Result of a start with a turning rotor.
@@ -27,7 +27,7 @@ fn fly(supply: f64, rpm: f64, inertia: f64) -> Flight {
     for _ in 0..60 {
         closed.tick();
     }
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let (mut slowest, mut peak, mut bus_max) = (f64::INFINITY, 0.0_f64, 0.0_f64);
     for _ in 0..30_000 {
         closed.tick();
@@ -99,12 +99,12 @@ fn a_start_that_is_reversed_begins_anew() {
         let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[]);
         closed.watch();
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         while closed.drive.state() != state {
             closed.tick();
         }
         (0..ticks).for_each(|_| closed.tick());
-        closed.ask(Request::Reverse);
+        closed.ask(RunRequest::Reverse);
         closed.tick();
         assert_eq!(closed.output.step, Step::Coast, "{ticks} ticks of {state:?}");
         (0..40_000).for_each(|_| closed.tick());
@@ -121,14 +121,14 @@ fn a_rotor_that_cannot_be_brought_up_is_let_go_of() {
     closed.plant.inject(Injection::BlockedRotor);
     closed.watch();
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     while closed.drive.state() != State::SensorlessClosedLoop {
         closed.tick();
     }
     while closed.output.step == Step::Coast {
         closed.tick();
     }
-    closed.ask(Request::Reverse);
+    closed.ask(RunRequest::Reverse);
     let mut ticks = 0;
     while closed.drive.state() == State::SensorlessClosedLoop {
         closed.tick();

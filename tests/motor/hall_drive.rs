@@ -4,7 +4,7 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::{BOOT, Scripted};
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::{Cause, Event, Request, Samples, State, Step};
+use narx_core::motor::{Cause, Event, RunRequest, Samples, State, Step};
 
 fn drive(frequency: f64) -> Scripted {
     let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_MIN_HES, 300)]);
@@ -54,8 +54,8 @@ fn stuck_line_at_speed() {
     let mut worst = 0;
     for frequency in [33.3, 66.7, 133.3, 266.7] {
         for (line, high) in (0..3).flat_map(|line| [(line, false), (line, true)]) {
-            for request in [Request::Drive, Request::Reverse] {
-                let sign = if request == Request::Drive { 1.0 } else { -1.0 };
+            for request in [RunRequest::Drive, RunRequest::Reverse] {
+                let sign = if request == RunRequest::Drive { 1.0 } else { -1.0 };
                 let mut script = drive(frequency * sign);
                 script.speed = frequency as i32;
                 script.ask(request);
@@ -83,7 +83,7 @@ fn stuck_line_from_standstill() {
         for (line, high) in (0..3).flat_map(|line| [(line, false), (line, true)]) {
             let mut script = drive(0.0);
             script.rotor.angle = (sixth as f64 + 1.0) / 6.0;
-            script.ask(Request::Drive);
+            script.ask(RunRequest::Drive);
             let (ticks, code) = until_fault(&mut script, 20_000, stick(line, high)).expect("a fault");
             assert!(HALL_CODES.contains(&code), "{code:04x}");
             worst = worst.max(ticks);
@@ -99,7 +99,7 @@ fn no_sensors_at_all() {
     for code in [0, 7] {
         for frequency in [0.0, 100.0] {
             let mut script = drive(frequency);
-            script.ask(Request::Drive);
+            script.ask(RunRequest::Drive);
             let spoil = |samples: &mut Samples| {
                 samples.hall = code;
                 samples.edges.clear();
@@ -116,7 +116,7 @@ fn no_sensors_at_all() {
 #[test]
 fn blocked_rotor() {
     let mut script = drive(0.0);
-    script.ask(Request::Drive);
+    script.ask(RunRequest::Drive);
     let (ticks, code) = until_fault(&mut script, 20_000, |_| {}).expect("a fault");
     println!("a blocked rotor becomes fault {code:04x} after {ticks} ticks");
     assert_eq!(code, Cause::HallStall as u16);
@@ -127,7 +127,7 @@ fn blocked_rotor() {
 #[test]
 fn rotor_runs_against_the_torque() {
     let mut script = drive(-20.0);
-    script.ask(Request::Drive);
+    script.ask(RunRequest::Drive);
     // At less than half of the smallest set-point torque is applied against the motion.
     script.rotor.speed = -5.0 / 10_000.0;
     let (ticks, code) = until_fault(&mut script, 20_000, |_| {}).expect("a fault");
@@ -146,8 +146,8 @@ fn a_tick_number_that_wraps() {
     let mut wraps = Scripted::new(c, rotor, u64::MAX - BOOT - 300);
     for tick in 0..BOOT + 2_000 {
         if tick == BOOT + 100 {
-            zero.ask(Request::Drive);
-            wraps.ask(Request::Drive);
+            zero.ask(RunRequest::Drive);
+            wraps.ask(RunRequest::Drive);
         }
         assert_eq!(zero.tick(|_| {}), wraps.tick(|_| {}), "tick {tick}");
     }
@@ -167,10 +167,10 @@ fn a_calibration_is_armed_withdrawn_and_spent() {
         let mut script = drive(0.0);
         asked.iter().for_each(|run| script.drive.handle_event(Event::CalibrateHall(*run)));
         for state in [expected, State::HallClosedLoop] {
-            script.ask(Request::Drive);
+            script.ask(RunRequest::Drive);
             script.tick(|_| {});
             assert_eq!(script.drive.state(), state, "{asked:?}");
-            script.ask(Request::Standby);
+            script.ask(RunRequest::Standby);
             script.tick(|_| {});
             assert_eq!(script.drive.state(), State::Standby, "{asked:?}");
         }

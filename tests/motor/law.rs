@@ -6,7 +6,7 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::{Scripted, current_code};
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::{Cause, FaultWord, Request, State, Step};
+use narx_core::motor::{Cause, FaultWord, RunRequest, State, Step};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, Phase, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
@@ -25,13 +25,13 @@ fn drive_around(closed: &mut Closed, start: u64) {
     {
         closed.set_point = set_point;
         closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         assert_eq!(closed.run(ticks), Outcome::Running, "{set_point} rpm");
     }
 }
 
 fn turn_back(closed: &mut Closed) {
-    closed.ask(Request::Reverse);
+    closed.ask(RunRequest::Reverse);
     assert_eq!(closed.run(25_000), Outcome::Running);
     assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
 }
@@ -83,7 +83,7 @@ fn running(sensors: bool) -> Closed {
     closed.watch();
     closed.boot();
     closed.set_point = 2_000.0;
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     assert_eq!(closed.run(14_000), Outcome::Running);
     assert!(closed.rpm() > 1_900.0, "{} rpm", closed.rpm());
     closed
@@ -102,7 +102,7 @@ fn news_is_seen_in_its_tick() {
         assert!(closed.status.faults.is_empty(), "{:?}", closed.status);
         for set_point in [2_500.0, 1_000.0, 2_000.0] {
             closed.set_point = set_point;
-            closed.ask(Request::Drive);
+            closed.ask(RunRequest::Drive);
             // Friction alone takes 0.38 s from 2500 to 1000 rpm: the drive does not brake into the bus.
             assert_eq!(closed.run(4_500), Outcome::Running);
             assert!((closed.rpm() - set_point).abs() < 0.1 * set_point, "{} rpm", closed.rpm());
@@ -139,7 +139,7 @@ fn ease_ends_in_time() {
         // To pulses that are too short for sampling, and back.
         for set_point in [600.0, 3_000.0] {
             closed.set_point = set_point;
-            closed.ask(Request::Drive);
+            closed.ask(RunRequest::Drive);
             assert_eq!(closed.run(4_000), Outcome::Running, "{set_point} rpm");
         }
         // Ratings that limit, and later do not.
@@ -158,7 +158,7 @@ fn ease_ends_in_time() {
         closed.run(3_000);
         closed.configure(&[]);
         closed.set_point = 800.0;
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(4_000);
         assert_eq!(closed.status.faults, FaultWord::empty(), "{:?}", closed.status);
     }
@@ -202,7 +202,7 @@ fn an_open_phase_that_an_edge_shows_is_told_in_its_tick() {
         script.speed = 300;
         script.watch();
         script.boot();
-        script.ask(Request::Drive);
+        script.ask(RunRequest::Drive);
         let mut applied = Step::Coast;
         let mut turn = |script: &mut Scripted, has_open_phase: bool| {
             let carries = !has_open_phase || matches!(applied, Step::BC | Step::CB);
@@ -231,7 +231,7 @@ fn a_set_point_that_leaps_is_followed() {
         closed.configure(&[(number::SPEED_RATE, 10_000_000)]);
         for set_point in [3_000.0, 700.0, 2_000.0, 900.0] {
             closed.set_point = set_point;
-            closed.ask(Request::Drive);
+            closed.ask(RunRequest::Drive);
             assert_eq!(closed.run(6_000), Outcome::Running, "{set_point}");
             assert!((closed.rpm() - set_point).abs() < 0.1 * set_point, "{} rpm", closed.rpm());
         }
@@ -252,7 +252,7 @@ fn a_voltage_without_current_at_rest_is_an_open_phase() {
         let mut script = Scripted::new(build(duty), ScriptedRotor::new(0.2, 0.0, true), 0);
         script.watch();
         script.boot();
-        script.ask(Request::Drive);
+        script.ask(RunRequest::Drive);
         let stopped = (0..3_000).find(|_| {
             script.tick(|samples| samples.bus_current = current_code(amperes));
             script.drive.state() == State::Fault

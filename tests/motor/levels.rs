@@ -4,13 +4,13 @@
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::machine::event::Limiter;
-use narx_core::motor::{Board, BuildError, Coefficients, Request, State};
+use narx_core::motor::{Board, BuildError, Coefficients, RunRequest, State};
 use narx_sim::plant::PlantConfig;
 
 /// Duty at the end of `state`, per cent, less the compensation of the dead time (0.5 % at 10 kHz).
 fn duty_at_the_end_of(state: State, closed: &mut Closed) -> f64 {
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let mut last = 0.0;
     let mut ticks = 0;
     while closed.drive.state() != State::SensorlessClosedLoop && ticks < 20_000 {
@@ -55,7 +55,7 @@ fn open_loop_and_the_first_duty_are_levels_too() {
         let changes = [(number::NOMINAL_SUPPLY, 0), (number::INITIAL_DUTY, 800)];
         let mut hall = Closed::new(&PlantConfig::new(MOTOR, supply), &changes);
         hall.boot();
-        hall.ask(Request::Drive);
+        hall.ask(RunRequest::Drive);
         hall.run(10);
         let first = f64::from(hall.output.duty.to_bits()) / 327.68 - 0.5;
         assert!((first - 8.0).abs() < 0.4, "{supply} V: {first} %");
@@ -67,7 +67,7 @@ fn open_loop_and_the_first_duty_are_levels_too() {
 fn the_bound_with_halls_is_no_bound_without() {
     let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[(number::DUTY_MAX, 300)]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(30_000);
     assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
     assert!((closed.rpm() / crate::bench::RPM - 1.0).abs() < 0.01, "{} rpm", closed.rpm());
@@ -75,7 +75,7 @@ fn the_bound_with_halls_is_no_bound_without() {
     let mut hall =
         Closed::new(&PlantConfig::new(MOTOR, 24.0), &[(number::DUTY_MAX, 1500), (number::DUTY_MAX_SL, 300)]);
     hall.boot();
-    hall.ask(Request::Drive);
+    hall.ask(RunRequest::Drive);
     hall.run(30_000);
     let duty = f64::from(hall.output.duty.to_bits()) / 327.68;
     assert!((duty - 15.0).abs() < 0.1 && hall.status.limiter == Limiter::Duty, "{duty} %");

@@ -12,7 +12,7 @@ fn coefficients() -> LimitCoefficients {
         soft_start: 3 * AMPERE,
         maximum: 6 * AMPERE,
         rate: ((60 * AMPERE as i64) << 16) / 1000,
-        phase_current: 12 * AMPERE,
+        phase_current_max: 12 * AMPERE,
         derating_start: 185 << 16,
         derating: Gain::from_ratio(65_536, 5 << 16).unwrap(),
         bridge: 0,

@@ -9,14 +9,14 @@ use narx_core::dictionary::number;
 use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::event::{HallCalibration, Limiter};
 use narx_core::motor::rotor::open_loop::OpenLoop;
-use narx_core::motor::{Cause, Direction, Event, Lines, Request, State, Step};
+use narx_core::motor::{Cause, Direction, Event, Lines, RunRequest, State, Step};
 use narx_core::units::Volts;
 use narx_sim::plant::{Injection, MotorConfig, Phase, PlantConfig};
 
 fn running(supply: f64) -> Closed {
     let mut closed = Closed::new(&PlantConfig::new(MOTOR, supply), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     assert_eq!(closed.run(20_000), Outcome::Running);
     closed
 }
@@ -33,7 +33,7 @@ fn a_forced_fault_stops_a_start_before_it_begins() {
         script.tick(fault);
     }
     assert_eq!(script.drive.state(), State::Standby, "masked while nothing drives");
-    script.ask(Request::Drive);
+    script.ask(RunRequest::Drive);
     for _ in 0..3 {
         assert_eq!(script.tick(fault).step, Step::Coast);
         assert_eq!(script.drive.state(), State::Fault);
@@ -59,7 +59,7 @@ fn coasting_down_has_a_name() {
     config.angle_deg = 40.0;
     let mut closed = Closed::new(&config, &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     assert_eq!(closed.run(20_000), Outcome::Running);
     closed.configure(&[(number::SPEED_MAX_HES, RPM as i32 / 2), (number::SPEED_MIN_HES, 300)]);
     let mut named = 0;
@@ -154,12 +154,12 @@ fn a_reversal_ends_a_calibration() {
         }
         script.drive.state()
     };
-    assert_eq!(run(&mut script, Request::Drive, 8_000), State::OpenLoop);
-    assert_eq!(run(&mut script, Request::Standby, 1), State::Standby);
+    assert_eq!(run(&mut script, RunRequest::Drive, 8_000), State::OpenLoop);
+    assert_eq!(run(&mut script, RunRequest::Standby, 1), State::Standby);
     script.drive.handle_event(Event::CalibrateHall(true));
-    assert_eq!(run(&mut script, Request::Drive, 2_000), State::OpenLoop);
+    assert_eq!(run(&mut script, RunRequest::Drive, 2_000), State::OpenLoop);
     assert_eq!(script.status.hall_calibration, HallCalibration::Running);
-    assert_eq!(run(&mut script, Request::Reverse, 1), State::Standby);
+    assert_eq!(run(&mut script, RunRequest::Reverse, 1), State::Standby);
     assert_eq!(script.status.hall_calibration, HallCalibration::Failed);
 }
 

@@ -4,7 +4,7 @@
 use super::machine_search::{Memory, as_of, coefficients, inputs, machine, memory, reached, start};
 use narx_core::motor::State;
 use narx_core::motor::clock::Instant;
-use narx_core::motor::machine::event::{Command, Request};
+use narx_core::motor::machine::event::{Command, RunRequest};
 use narx_core::motor::machine::{Machine, Refusal};
 use narx_core::units::ElectricalSpeed;
 use std::collections::HashSet;
@@ -83,12 +83,12 @@ fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
 fn a_request_that_it_knows_only_feeds_the_time_out() {
     let mut states = HashSet::new();
     for before in reached() {
-        for request in [Request::Standby, Request::Drive, Request::Reverse, Request::Shutdown] {
+        for request in [RunRequest::Standby, RunRequest::Drive, RunRequest::Reverse, RunRequest::Shutdown] {
             let command = Command { request, speed: ElectricalSpeed::from_bits(7) };
             let (mut told, mut reminded) = (machine(before), machine(before));
             if told.knows(request) {
                 states.insert(before.state);
-                assert!(!(before.state.is_driving() && request == Request::Standby), "{before:?}");
+                assert!(!(before.state.is_driving() && request == RunRequest::Standby), "{before:?}");
                 told.handle_command(start(), command);
                 reminded.handle_set_point(start(), command.speed);
                 // Only the time at which it is due differs: a deadline may be early.
@@ -105,7 +105,7 @@ fn nothing_is_reversed_that_is_not_driven() {
     let mut seen = HashSet::new();
     for before in reached() {
         let machine = machine(before);
-        let asks = matches!(before.command.request, Request::Drive | Request::Reverse);
+        let asks = matches!(before.command.request, RunRequest::Drive | RunRequest::Reverse);
         seen.insert((before.state.is_driving(), asks, machine.reversing()));
         assert!(!machine.reversing() || (before.state.is_driving() && asks), "{before:?}");
     }

@@ -7,7 +7,7 @@
 
 use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::MachineCoefficients;
-use narx_core::motor::machine::event::{Command, Refusal, Request};
+use narx_core::motor::machine::event::{Command, Refusal, RunRequest};
 use narx_core::motor::machine::state::Conditions;
 use narx_core::motor::machine::{Change, Inputs, Machine};
 use narx_core::motor::{Direction, State};
@@ -90,7 +90,7 @@ struct Ghost {
 
 #[derive(Clone, Copy, Debug)]
 enum Input {
-    Request(Request),
+    Request(RunRequest),
     Calibrate(bool),
     Tick { bits: u8, enables: u8 },
 }
@@ -108,8 +108,8 @@ pub(crate) fn inputs(bits: u8) -> Inputs {
 }
 
 fn all_inputs() -> Vec<Input> {
-    let requests =
-        [Request::Standby, Request::Drive, Request::Reverse, Request::Shutdown].map(Input::Request);
+    let requests = [RunRequest::Standby, RunRequest::Drive, RunRequest::Reverse, RunRequest::Shutdown]
+        .map(Input::Request);
     let ticks = (0..64).flat_map(|bits| (0..8).map(move |enables| Input::Tick { bits, enables }));
     requests.into_iter().chain([true, false].map(Input::Calibrate)).chain(ticks).collect()
 }
@@ -139,11 +139,11 @@ fn bounded(now: Instant, memory: Memory) -> Memory {
     memory
 }
 
-pub(crate) fn wanted(request: Request) -> Option<Direction> {
+pub(crate) fn wanted(request: RunRequest) -> Option<Direction> {
     match request {
-        Request::Drive => Some(Direction::Forward),
-        Request::Reverse => Some(Direction::Reverse),
-        Request::Standby | Request::Shutdown => None,
+        RunRequest::Drive => Some(Direction::Forward),
+        RunRequest::Reverse => Some(Direction::Reverse),
+        RunRequest::Standby | RunRequest::Shutdown => None,
     }
 }
 
@@ -211,14 +211,14 @@ pub(crate) fn reached() -> &'static [Memory] {
 }
 
 /// Applies decision 5: a Drive request during Initialization uses up the edge that power-up counts as.
-fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
+fn ghost_request(state: State, request: RunRequest, mut ghost: Ghost) -> Ghost {
     match request {
-        Request::Standby => {
+        RunRequest::Standby => {
             ghost.fresh |= !state.is_driving();
             ghost.standby_since_fault |= state == State::Fault;
         }
-        Request::Drive | Request::Reverse => ghost.fresh &= state != State::Initialization,
-        Request::Shutdown => {}
+        RunRequest::Drive | RunRequest::Reverse => ghost.fresh &= state != State::Initialization,
+        RunRequest::Shutdown => {}
     }
     ghost
 }
@@ -234,7 +234,7 @@ fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut 
     let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
     ghost.reversing = from.is_driving() && to == State::Standby && reversal;
     if from.is_driving() && to == State::Standby {
-        ghost.fresh = before.command.request == Request::Standby || reversal;
+        ghost.fresh = before.command.request == RunRequest::Standby || reversal;
     }
     if to.is_driving() || to == State::Fault {
         ghost.fresh = false;
@@ -244,7 +244,7 @@ fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut 
     }
     // Acknowledged while Drive is requested again: Standby must be requested once more.
     if from == State::Fault && to == State::Standby {
-        ghost.fresh = before.command.request == Request::Standby;
+        ghost.fresh = before.command.request == RunRequest::Standby;
     }
     ghost
 }
@@ -287,9 +287,9 @@ fn check_stops(
     let expired = before.command_age + 1 >= TIMEOUT;
     if judged && inputs.critical {
         assert_eq!(after.state, State::Fault, "a fault wins in the same tick: {}", context());
-    } else if driving && request == Request::Standby {
+    } else if driving && request == RunRequest::Standby {
         assert_eq!(after.state, State::Standby, "Standby stops: {}", context());
-    } else if driving && request == Request::Shutdown {
+    } else if driving && request == RunRequest::Shutdown {
         assert!(!after.state.is_driving(), "a shutdown request stops, masked or not: {}", context());
     } else if driving && expired {
         assert_eq!(after.state, State::Fault, "silence stops: {}", context());

@@ -8,12 +8,12 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::clock::Instant;
 use narx_core::motor::control::Control;
 use narx_core::motor::gain::Gain;
-use narx_core::motor::rotor::back_emf::{BackEmfCoefficients, OperatingPoint, Sight};
+use narx_core::motor::rotor::back_emf::{BackEmfCoefficients, Observation, OperatingPoint};
 use narx_core::motor::rotor::zero_crossing::{Why, ZeroCrossing};
 use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::sense::measurement::ChannelScale;
 use narx_core::motor::{
-    Board, Coefficients, Direction, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
+    Board, Coefficients, Direction, Leg, PwmCommand, RunRequest, SampleMode, Samples, State, Step,
 };
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use std::collections::BTreeSet;
@@ -79,7 +79,7 @@ fn running(rpm: f64) -> Closed {
     let mut closed = Closed::sensorless(&config(), &[]);
     closed.set_point = rpm;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(16_000);
     assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
     closed
@@ -93,7 +93,7 @@ fn sampling_mode_has_hysteresis() {
     closed.plant.set_load(LoadConfig { constant: 0.03, ..LoadConfig::default() });
     closed.boot();
     closed.set_point = 2500.0;
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let mut seen = BTreeSet::new();
     for rpm in [2500.0, 600.0] {
         closed.set_point = rpm;
@@ -127,7 +127,7 @@ fn demagnetisation_is_no_evidence() {
         let samples = Samples { phase_voltage, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
         let seen = station.step(&c, &samples, 24 << 16, &applied, &point);
-        assert!(seen.sight != Sight::Late, "tick {tick}");
+        assert!(seen.observation != Observation::Late, "tick {tick}");
         crossings.extend(seen.crossing().map(|age| f64::from(tick) - f64::from(age) / 65_536.0));
     }
     assert_eq!(crossings.len(), 1, "{crossings:?}");
@@ -169,7 +169,7 @@ fn two_ramped_locks_align_from_anywhere() {
         config.angle_deg = f64::from(degrees);
         let mut closed = Closed::sensorless(&config, &[]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         let (mut patterns, mut duties) = (Vec::new(), Vec::new());
         let mut angle = 0.0;
         while closed.drive.state() != State::OpenLoop {
@@ -203,7 +203,7 @@ fn the_kick_is_a_ramp() {
 
 fn kick_rises(mut closed: Closed) {
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     while closed.drive.state() != State::OpenLoop {
         closed.tick();
     }
@@ -237,7 +237,7 @@ fn a_rotor_that_is_not_up_at_hand_over_is_no_stall() {
         let mut closed =
             Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, 20), (number::OPEN_LOOP_DURATION, 20)]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         while closed.drive.state() != State::SensorlessClosedLoop {
             closed.tick();
         }
@@ -260,10 +260,10 @@ fn the_set_point_is_ramped() {
     let mut closed = Closed::sensorless(&config(), &[(number::SPEED_RATE, 2_000)]);
     closed.set_point = 1000.0;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(20_000);
     closed.set_point = 3000.0;
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let setpoint = |closed: &Closed| f64::from(closed.status.setpoint.to_bits()) / 65_536.0;
     closed.run(1_000);
     let first = setpoint(&closed);
@@ -279,11 +279,11 @@ fn set_points_saturate() {
     let mut closed = Closed::sensorless(&config(), &limits);
     closed.set_point = 1000.0;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(12_000);
     for (asked, given) in [(4000.0, 1500.0), (0.0, 800.0)] {
         closed.set_point = asked;
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(10_000);
         let setpoint = f64::from(closed.status.setpoint.to_bits()) / 65_536.0 * 15.0;
         assert!((setpoint - given).abs() < 1.0, "{asked} asked: {setpoint} rpm");
@@ -295,7 +295,7 @@ fn set_points_saturate() {
 #[test]
 fn a_reversal_passes_standby_at_rest() {
     let mut closed = running(2000.0);
-    for request in [Request::Reverse, Request::Drive] {
+    for request in [RunRequest::Reverse, RunRequest::Drive] {
         closed.ask(request);
         let passed = (0..40_000).any(|_| {
             closed.tick();
@@ -313,7 +313,7 @@ fn duty_has_a_maximum() {
     let mut closed = Closed::sensorless(&config(), &[(number::DUTY_MAX_SL, 4_000)]);
     closed.set_point = 4000.0;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let most = (0..20_000).fold(0.0_f64, |most, _| {
         closed.tick();
         most.max(share(&closed.output))
@@ -329,7 +329,7 @@ fn a_pulse_has_a_least_length() {
     let mut closed = Closed::sensorless(&config, &[(number::ON_TIME_MIN, 6_000)]);
     closed.set_point = 600.0;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(10_000);
     let shorter = (0..5_000)
         .filter(|_| {
@@ -347,7 +347,7 @@ fn a_pulse_has_a_least_length() {
 fn dead_time_is_given_back() {
     let mut closed = Closed::sensorless(&config(), &[(number::LOCK_DUTY, 800)]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(1_300);
     let wanted = 0.08 * 24.0 / closed.plant.observe().bus_voltage + 0.005;
     let found = share(&closed.output);
@@ -375,7 +375,7 @@ fn a_hall_offset_is_taken_off() {
         let changes = [(number::STANDARD_HALL_SEQUENCE, 0), (number::HALL_OFFSET_ANGLE, angle)];
         let mut closed = Closed::new(&config, &changes);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(12_000);
         let steady = measure(&mut closed, 2_000);
         assert!(steady.mean.abs() < 2.0, "{offset}: {steady:?}");

@@ -3,13 +3,13 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::{Board, BuildError, Coefficients, Request, State};
+use narx_core::motor::{Board, BuildError, Coefficients, RunRequest, State};
 use narx_sim::plant::PlantConfig;
 
 /// Mechanical speeds of the open loop of a start, rpm, tick by tick.
 fn open_loop(mut closed: Closed) -> Vec<f64> {
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let mut speeds = Vec::new();
     while closed.drive.state() != State::SensorlessClosedLoop {
         closed.tick();

@@ -4,7 +4,7 @@ use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
 use narx_core::motor::commutate::commutation::{Direction, Step, sector_of};
 use narx_core::motor::signal::{ShaftScale, Signal};
-use narx_core::motor::{Request, Samples, State};
+use narx_core::motor::{RunRequest, Samples, State};
 use narx_sim::plant::{Injection, PlantConfig};
 
 const OPEN_LOOP: [(u16, i32); 3] =
@@ -33,7 +33,7 @@ fn counted(closed: &mut Closed, ticks: u64) -> (f64, f64) {
 /// sector and the millisecond of a report.
 #[test]
 fn the_position_is_counted_without_sensors() {
-    for request in [Request::Drive, Request::Reverse] {
+    for request in [RunRequest::Drive, RunRequest::Reverse] {
         for (name, changes) in [("sensorless", &[][..]), ("open loop", &OPEN_LOOP[..])] {
             let mut closed = without_halls(changes);
             closed.ask(request);
@@ -50,14 +50,14 @@ fn the_position_is_counted_without_sensors() {
 #[test]
 fn a_restart_keeps_the_electrical_place() {
     let mut closed = without_halls(&[]);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(20_000);
     let offset =
         |closed: &Closed| (f64::from(closed.status.sectors) - 6.0 * electrical_turns(closed)).rem_euclid(6.0);
     let before = offset(&closed);
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     closed.run(3_000);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(30_000);
     let apart = (offset(&closed) - before).abs();
     assert!(apart.min(6.0 - apart) < 2.0, "{before}, then {}", offset(&closed));
@@ -70,10 +70,10 @@ fn a_coasting_rotor_is_unseen_until_it_stands() {
     for changes in [&[][..], &OPEN_LOOP[..]] {
         let mut closed = without_halls(changes);
         assert!(closed.status.standstill && !closed.status.unseen, "{:?}", closed.status);
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(20_000);
         assert!(!closed.status.standstill && !closed.status.unseen, "{:?}", closed.status);
-        closed.ask(Request::Standby);
+        closed.ask(RunRequest::Standby);
         closed.run(20);
         assert!(!closed.status.standstill && closed.status.unseen, "{:?}", closed.status);
         let mut ticks = 0;
@@ -87,9 +87,9 @@ fn a_coasting_rotor_is_unseen_until_it_stands() {
     }
     let mut closed = Closed::new(&PlantConfig::new(MOTOR, 24.0), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(20_000);
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     closed.run(20);
     assert!(!closed.status.standstill && !closed.status.unseen, "{:?}", closed.status);
     closed.run(50_000);
@@ -101,10 +101,10 @@ fn a_coasting_rotor_is_unseen_until_it_stands() {
 fn a_rotor_whose_start_was_ended_is_seen_to_stand() {
     for ticks in (100..12_000).step_by(700) {
         let mut closed = without_halls(&[]);
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         closed.run(ticks);
         let state = closed.status.state;
-        closed.ask(Request::Standby);
+        closed.ask(RunRequest::Standby);
         closed.run(60_000);
         assert!(closed.rpm().abs() < 10.0, "{} rpm", closed.rpm());
         assert!(closed.status.standstill, "ended after {ticks} ticks in {state:?}: {:?}", closed.status);
@@ -117,7 +117,7 @@ fn a_rotor_whose_start_was_ended_is_seen_to_stand() {
 fn the_angle_is_the_one_that_commutates() {
     let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &OPEN_LOOP);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let mut sectors = 0_u8;
     for _ in 0..10_000 {
         closed.tick();
@@ -137,7 +137,7 @@ fn the_angle_is_the_one_that_commutates() {
 
     let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     let (mut seen, mut locks) = (0, [0, 0]);
     while closed.drive.state() != State::OpenLoop {
         closed.tick();
@@ -162,7 +162,7 @@ fn the_angle_is_the_one_that_commutates() {
 /// In open loop speed and set-point are the field's; the speed without sensors has a sign for the direction.
 #[test]
 fn open_loop_has_a_speed() {
-    for (request, sign) in [(Request::Drive, 1.0), (Request::Reverse, -1.0)] {
+    for (request, sign) in [(RunRequest::Drive, 1.0), (RunRequest::Reverse, -1.0)] {
         let mut closed = without_halls(&OPEN_LOOP);
         closed.ask(request);
         closed.run(20_000);
@@ -185,7 +185,7 @@ fn the_scope_tells_the_place_within_a_revolution() {
         assert_eq!(scale.position(sectors), place, "{sectors}");
     }
     let mut closed = without_halls(&[]);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(20_000);
     let mut places: Vec<i16> = (0..3_000)
         .map(|_| {

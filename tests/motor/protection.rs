@@ -6,7 +6,7 @@ use core::ops::{Deref, DerefMut};
 use narx_core::motor::clock::Instant;
 use narx_core::motor::guard::fault::CauseRow;
 use narx_core::motor::guard::protection::{Evidence, Protection, ProtectionCoefficients};
-use narx_core::motor::machine::event::{Health, Request, SlowMeasurements};
+use narx_core::motor::machine::event::{Health, RunRequest, SlowMeasurements};
 use narx_core::motor::rotor::hall::HallEvents;
 use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
@@ -20,7 +20,7 @@ pub(crate) fn healthy() -> Evidence {
         slow: SlowMeasurements { temperature: Celsius::from_milli(25_000), pressure: Volts::ZERO },
         lines: Lines::empty(),
         health: Health::default(),
-        request: Request::Drive,
+        request: RunRequest::Drive,
         hall: HallEvents::default(),
         hall_stopped: false,
         speed: 100 << 16,
@@ -173,7 +173,7 @@ fn conditions_qualify_as_published() {
         (Cause::OpenPhase, Evidence { open_phase: true, ..h }),
         (Cause::EmergencyLine, Evidence { lines: Lines::EMERGENCY, ..h }),
         (Cause::SelfTest, Evidence { health: Health { self_test_failed: true, ..Health::default() }, ..h }),
-        (Cause::ShutdownCommanded, Evidence { request: Request::Shutdown, ..h }),
+        (Cause::ShutdownCommanded, Evidence { request: RunRequest::Shutdown, ..h }),
         (Cause::ShutdownLine, Evidence { lines: Lines::DSI1, ..h }),
         (Cause::StoreMismatch, Evidence { health: store(FaultWord::STORE_MISMATCH), ..h }),
         (Cause::StoreAbsent, Evidence { health: store(FaultWord::STORE_ABSENT), ..h }),
@@ -243,7 +243,7 @@ fn present(bit: u32) -> Option<Evidence> {
         7 => with(Cause::OverPressure, 5_000),
         26 => Evidence { health: store(FaultWord::STORE_MISMATCH), ..h },
         27 => Evidence { lines: Lines::EMERGENCY, ..h },
-        28 => Evidence { request: Request::Shutdown, ..h },
+        28 => Evidence { request: RunRequest::Shutdown, ..h },
         30 => Evidence { health: store(FaultWord::STORE_ABSENT), ..h },
         31 => Evidence { health: store(FaultWord::STORE_VERSION), ..h },
         _ => return None,

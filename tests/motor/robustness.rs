@@ -3,7 +3,7 @@
 //! fault with its extended code and the bridge off.
 
 use crate::bench::{Closed, MOTOR};
-use narx_core::motor::{Cause, Request, State, Step};
+use narx_core::motor::{Cause, RunRequest, State, Step};
 use narx_host::parallel::map;
 use narx_sim::plant::{BackEmf, Injection, LoadConfig, MotorConfig, Phase, PlantConfig, SupplyConfig};
 
@@ -55,7 +55,7 @@ pub(crate) fn running(config: &PlantConfig, rpm: f64) -> Closed {
 
 pub(crate) fn turn(closed: &mut Closed, rpm: f64) {
     closed.set_point = rpm.abs();
-    closed.ask(if rpm < 0.0 { Request::Reverse } else { Request::Drive });
+    closed.ask(if rpm < 0.0 { RunRequest::Reverse } else { RunRequest::Drive });
 }
 
 /// Determines the end. Checks that the bridge is off where it must be; the speed is the mean of 0.2 s.

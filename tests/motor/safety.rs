@@ -5,18 +5,18 @@ use crate::support::coefficients;
 use narx_core::dictionary::number;
 use narx_core::motor::machine::event::{Health, SlowMeasurements};
 use narx_core::motor::{
-    Coefficients, Command, Drive, Edge, EdgeSource, Event, FaultWord, Leg, Lines, PwmCommand, Request,
+    Coefficients, Command, Drive, Edge, EdgeSource, Event, FaultWord, Leg, Lines, PwmCommand, RunRequest,
     SampleMode, Samples, State, Status, Step,
 };
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use proptest::prelude::*;
 
-fn request() -> impl Strategy<Value = Request> {
+fn request() -> impl Strategy<Value = RunRequest> {
     prop_oneof![
-        3 => Just(Request::Drive),
-        2 => Just(Request::Reverse),
-        2 => Just(Request::Standby),
-        1 => Just(Request::Shutdown),
+        3 => Just(RunRequest::Drive),
+        2 => Just(RunRequest::Reverse),
+        2 => Just(RunRequest::Standby),
+        1 => Just(RunRequest::Shutdown),
     ]
 }
 
@@ -102,7 +102,7 @@ fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
 fn booted(c: &Coefficients) -> Drive {
     let mut drive = Drive::new(*c);
     let samples = Samples { bus_voltage: 2_458, bus_current: 2_048, hall: 1, ..Samples::default() };
-    let idle = Command { request: Request::Standby, speed: ElectricalSpeed::ZERO };
+    let idle = Command { request: RunRequest::Standby, speed: ElectricalSpeed::ZERO };
     drive.handle_event(Event::Slow(SlowMeasurements {
         temperature: Celsius::from_milli(25_000),
         pressure: Volts::ZERO,
@@ -211,7 +211,7 @@ proptest! {
             1 => last.lines |= Lines::DRIVER_FAULT,
             2 => drive.handle_event(Event::Health(Health { self_test_failed: true, ..Health::default() })),
             _ => drive.handle_event(Event::Command(Command {
-                request: Request::Shutdown,
+                request: RunRequest::Shutdown,
                 speed: ElectricalSpeed::ZERO,
             })),
         }

@@ -2,7 +2,7 @@
 
 use crate::rotor::ScriptedRotor;
 use narx_core::motor::{
-    Coefficients, Command, Drive, Event, FrontEnd, PwmCommand, Request, Samples, State, Status,
+    Coefficients, Command, Drive, Event, FrontEnd, PwmCommand, RunRequest, Samples, State, Status,
 };
 use narx_core::units::ElectricalSpeed;
 
@@ -14,7 +14,7 @@ pub(crate) struct Scripted {
     pub drive: Drive,
     pub rotor: ScriptedRotor,
     pub samples: Samples,
-    pub request: Request,
+    pub request: RunRequest,
     /// Set-point, electrical rev/s.
     pub speed: i32,
     pub status: Status,
@@ -46,7 +46,7 @@ impl Scripted {
             ..Samples::default()
         };
         let drive = Drive::new(coefficients);
-        let (request, speed) = (Request::Standby, 100);
+        let (request, speed) = (RunRequest::Standby, 100);
         Self {
             drive,
             rotor,
@@ -114,7 +114,7 @@ impl Scripted {
     }
 
     /// Sends a request now.
-    pub(crate) fn ask(&mut self, request: Request) {
+    pub(crate) fn ask(&mut self, request: RunRequest) {
         self.request = request;
         self.handle_event(self.command());
     }

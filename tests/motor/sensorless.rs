@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
-use narx_core::motor::{Cause, Request, State};
+use narx_core::motor::{Cause, RunRequest, State};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
 
 /// Largest peak of any phase current: 12 A (Table 1) and 10 %.
@@ -22,7 +22,7 @@ fn until(closed: &mut Closed, state: State, most: u64) -> Option<u64> {
     })
 }
 
-fn running(config: &PlantConfig, changes: &[(u16, i32)], request: Request) -> Closed {
+fn running(config: &PlantConfig, changes: &[(u16, i32)], request: RunRequest) -> Closed {
     let mut closed = Closed::sensorless(config, changes);
     closed.boot();
     closed.ask(request);
@@ -40,7 +40,8 @@ fn starts_from_any_position_at_any_supply() {
     for (number, angle) in (0..360).step_by(20).enumerate() {
         let mut config = config([18.0, 24.0, 36.0, 48.0, 60.0][number % 5]);
         config.angle_deg = f64::from(angle);
-        let (request, sign) = if number % 2 == 0 { (Request::Drive, 1.0) } else { (Request::Reverse, -1.0) };
+        let (request, sign) =
+            if number % 2 == 0 { (RunRequest::Drive, 1.0) } else { (RunRequest::Reverse, -1.0) };
         let closed = running(&config, &[], request);
         assert!((closed.rpm() - sign * RPM).abs() < 0.01 * RPM, "{angle} degrees: {} rpm", closed.rpm());
         let estimated = f64::from(closed.status.speed_sensorless.to_bits()) / 65_536.0 * 15.0;
@@ -56,7 +57,7 @@ fn starts_from_any_position_at_any_supply() {
 fn hand_over_is_bumpless() {
     let mut closed = Closed::sensorless(&config(24.0), &[]);
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     assert!(until(&mut closed, State::SensorlessClosedLoop, 8_000).is_some());
     let duty = f64::from(closed.status.duty.to_bits()) / 32_768.0;
     let speed = closed.rpm();
@@ -72,7 +73,7 @@ fn hand_over_is_bumpless() {
 /// back within 1 % in half a second.
 #[test]
 fn a_load_step_does_not_desynchronise() {
-    let mut closed = running(&config(24.0), &[], Request::Drive);
+    let mut closed = running(&config(24.0), &[], RunRequest::Drive);
     for torque in [0.1, 0.0, 0.1] {
         closed.plant.set_load(LoadConfig { constant: torque, ..LoadConfig::default() });
         assert_eq!(closed.run(5_000), Outcome::Running);
@@ -85,8 +86,8 @@ fn a_load_step_does_not_desynchronise() {
 /// A reversal comes to rest first, and starts in the other direction.
 #[test]
 fn reversal_comes_to_rest_first() {
-    let mut closed = running(&config(24.0), &[], Request::Drive);
-    closed.ask(Request::Reverse);
+    let mut closed = running(&config(24.0), &[], RunRequest::Drive);
+    closed.ask(RunRequest::Reverse);
     assert_eq!(closed.run(40_000), Outcome::Running, "{:?}", closed.status);
     assert!((closed.rpm() + RPM).abs() < 0.02 * RPM, "{} rpm", closed.rpm());
     assert!(closed.peak <= PEAK && closed.bus_max < 61.0);
@@ -97,7 +98,7 @@ fn reversal_comes_to_rest_first() {
 #[test]
 fn a_stall_belongs_to_auto_restart() {
     for held in [30_000, 3_000] {
-        let mut closed = running(&config(24.0), &[], Request::Drive);
+        let mut closed = running(&config(24.0), &[], RunRequest::Drive);
         closed.plant.inject(Injection::BlockedRotor);
         assert!(until(&mut closed, State::SensorlessAutoRestart, 3_000).is_some(), "{:?}", closed.status);
         let outcome = closed.run(held);
@@ -137,13 +138,13 @@ fn a_fault_without_sensors_is_acknowledged_and_the_next_start_is_a_first_one() {
     for (changes, running) in mended {
         let mut closed = Closed::sensorless(&config(24.0), &[(number::MOTOR_POLE_PAIRS, 8)]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         assert!(matches!(closed.run(60_000), Outcome::Fault { .. }), "{:?}", closed.status);
-        closed.ask(Request::Standby);
+        closed.ask(RunRequest::Standby);
         assert!(until(&mut closed, State::Standby, 6_000).is_some(), "{running:?}: {:?}", closed.status);
         closed.configure(changes);
         closed.run(2_000);
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         assert_eq!(closed.run(20_000), Outcome::Running, "{running:?}: {:?}", closed.status);
         assert_eq!(closed.drive.state(), running, "{:?}", closed.status);
     }
@@ -156,7 +157,7 @@ fn a_wrong_number_of_pole_pairs_is_named() {
     for pole_pairs in [2, 8] {
         let mut closed = Closed::sensorless(&config(24.0), &[(number::MOTOR_POLE_PAIRS, pole_pairs)]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         match closed.run(60_000) {
             Outcome::Fault { code, .. } => assert!(
                 [Cause::WrongLock, Cause::SensorlessStall].map(|cause| cause as u16).contains(&code),
@@ -176,7 +177,7 @@ fn comparator_edges_run_the_motor() {
     let mut config = config(24.0);
     config.comparator = Some(ComparatorConfig { delay: 2e-6, hysteresis: 0.1 });
     config.board.comparator_capture = true;
-    let closed = running(&config, &[(number::ZC_DELAY, 2)], Request::Drive);
+    let closed = running(&config, &[(number::ZC_DELAY, 2)], RunRequest::Drive);
     assert!((closed.rpm() - RPM).abs() < 0.01 * RPM, "{} rpm", closed.rpm());
     assert!(closed.peak <= PEAK, "{:.1} A", closed.peak);
 }

@@ -3,7 +3,7 @@
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
 use narx_core::dictionary::number;
-use narx_core::motor::{Request, State};
+use narx_core::motor::{RunRequest, State};
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{BackEmf, ComparatorConfig, LoadConfig, MotorConfig, Plant, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
@@ -20,7 +20,7 @@ fn load(torque: f64) -> LoadConfig {
 fn running(mut closed: Closed, rpm: f64, ticks: u64) -> Closed {
     closed.set_point = rpm;
     closed.boot();
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(ticks);
     assert_eq!(closed.drive.state(), State::SensorlessClosedLoop, "{rpm} rpm: {:?}", closed.status);
     closed

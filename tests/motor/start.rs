@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
-use narx_core::motor::{Request, State};
+use narx_core::motor::{RunRequest, State};
 use narx_lab::promises::{Point, Start, map};
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::PlantConfig;
@@ -45,7 +45,7 @@ fn closed_loop_begins_with_its_initial_voltage() {
         let mut closed =
             Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[(number::INITIAL_DUTY, initial)]);
         closed.boot();
-        closed.ask(Request::Drive);
+        closed.ask(RunRequest::Drive);
         let voltage = |closed: &Closed| f64::from(closed.output.duty.to_bits()) / 32_768.0 * 24.0;
         let mut before = 0.0;
         while closed.drive.state() != State::SensorlessClosedLoop {

@@ -7,7 +7,7 @@ use narx_core::motor::clock::Instant;
 use narx_core::motor::commutate::pwm::Commutation;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::guard::rails::{Rail, RailCoefficients, Rails};
-use narx_core::motor::rotor::back_emf::{BackEmf, BackEmfCoefficients, End, OperatingPoint, Sight};
+use narx_core::motor::rotor::back_emf::{BackEmf, BackEmfCoefficients, End, Observation, OperatingPoint};
 use narx_core::motor::rotor::listening::Listening;
 use narx_core::motor::rotor::zero_crossing::{BLIND_MAX, PREPARED, Why, ZeroCrossing};
 use narx_core::motor::sense::front_end::Channel;
@@ -26,7 +26,7 @@ pub(crate) struct Seen {
     /// Sector of the present step.
     sector: Option<u8>,
     /// Observation of the present step.
-    pub(crate) sight: Sight,
+    pub(crate) observation: Observation,
     /// True if the present step's crossing was seen, or was late.
     found: bool,
 }
@@ -34,16 +34,16 @@ pub(crate) struct Seen {
 impl Seen {
     /// Age of a healthy crossing of the present step, 1/65 536 tick.
     pub(crate) const fn crossing(&self) -> Option<i32> {
-        match self.sight {
-            Sight::Crossing { age, .. } => Some(age),
-            Sight::Nothing | Sight::Before | Sight::Late => None,
+        match self.observation {
+            Observation::Crossing { age, .. } => Some(age),
+            Observation::Nothing | Observation::Before | Observation::Late => None,
         }
     }
 
     /// Returns whether the estimator must get it: the present step's crossing, or a previous step that ended
     /// without one.
     fn is_news(&self) -> bool {
-        self.end != End::Seen || matches!(self.sight, Sight::Crossing { .. } | Sight::Late)
+        self.end != End::Seen || matches!(self.observation, Observation::Crossing { .. } | Observation::Late)
     }
 }
 
@@ -106,9 +106,9 @@ impl Station {
         applied: &PwmCommand,
         end: End,
     ) -> Seen {
-        let sight = self.back_emf.look(c, self.now, samples, bus_voltage, applied.sample_at);
+        let observation = self.back_emf.look(c, self.now, samples, bus_voltage, applied.sample_at);
         self.back_emf.expect(None);
-        Seen { end, sector: self.back_emf.sector(), sight, found: self.back_emf.is_found() }
+        Seen { end, sector: self.back_emf.sector(), observation, found: self.back_emf.is_found() }
     }
 }
 
@@ -198,8 +198,8 @@ fn on_time_crossing_is_interpolated_against_half_the_live_bus() {
 #[test]
 fn off_time_threshold_is_told() {
     let ticks = fall(&coefficients(), 24.0, 0.4, 8.0, SampleMode::OffTime, 12 << 16);
-    let told = ticks.iter().find_map(|seen| match seen.sight {
-        Sight::Crossing { threshold, .. } => Some(threshold),
+    let told = ticks.iter().find_map(|seen| match seen.observation {
+        Observation::Crossing { threshold, .. } => Some(threshold),
         _ => None,
     });
     assert_eq!(told, Some(coefficients().terminal.convert_difference(-2 * NOISE)));
@@ -207,11 +207,14 @@ fn off_time_threshold_is_told() {
     // 2 noise thresholds of 3 x 0.4 V per tick.
     assert!((found - (8.0 - 0.16 / 1.2)).abs() < 0.06, "{found}");
     // With the slope known, the estimator corrects the angle to within a degree.
-    assert!(ticks[2].sight == Sight::Before && !ticks[2].found, "{:?}", ticks[2]);
-    assert!(ticks[20].sight == Sight::Nothing && ticks[20].found, "{:?}", ticks[20]);
+    assert!(ticks[2].observation == Observation::Before && !ticks[2].found, "{:?}", ticks[2]);
+    assert!(ticks[20].observation == Observation::Nothing && ticks[20].found, "{:?}", ticks[20]);
     // After a crossing that came before the first sample every sample reads 0.
     let ticks = fall(&coefficients(), 24.0, 0.4, 0.5, SampleMode::OffTime, 12 << 16);
-    assert!(ticks.iter().all(|seen| seen.sight == Sight::Nothing && !seen.found), "0 is no evidence");
+    assert!(
+        ticks.iter().all(|seen| seen.observation == Observation::Nothing && !seen.found),
+        "0 is no evidence"
+    );
 }
 
 /// Slow steps are averaged over up to 8 samples: a single spike is no crossing, and the delay of the mean is
@@ -245,7 +248,7 @@ fn nothing_is_seen_while_blanked() {
         let built = support::coefficients(&[(number::ZC_DISCARD, discard)]);
         let c = BackEmfCoefficients { discard: built.sensorless.back_emf.discard, ..coefficients() };
         let ticks = fall(&c, 24.0, 0.4, 30.0, SampleMode::OnTime, interval << 16);
-        ticks.iter().position(|seen| seen.sight != Sight::Nothing).unwrap() + 1
+        ticks.iter().position(|seen| seen.observation != Observation::Nothing).unwrap() + 1
     };
     // The step begins at `earliest`, an eighth of a period into tick 0.
     assert_eq!(first(0, 20), 3, "an eighth of 20 ticks");
@@ -259,7 +262,7 @@ fn nothing_is_seen_while_blanked() {
 fn a_crossing_is_healthy_or_late() {
     let ticks = fall(&coefficients(), 24.0, 0.4, 0.5, SampleMode::OnTime, 12 << 16);
     assert_eq!(crossing(&ticks), None);
-    assert_eq!(ticks.iter().filter(|seen| seen.sight == Sight::Late).count(), 1, "told once");
+    assert_eq!(ticks.iter().filter(|seen| seen.observation == Observation::Late).count(), 1, "told once");
 }
 
 /// Samples without news may be left out, and hidden ones need no evaluation: a station that rests then gives
@@ -344,7 +347,11 @@ fn comparator_edges_with_their_delays() {
         tick(before, &[]);
         // First demagnetisation, which shows the level beyond; then the level before; then the crossing.
         let seen = tick(step, &[edge(9_000, rising), edge(12_000, !rising)]);
-        assert_eq!((seen.end, seen.sight), (End::Seen, Sight::Before), "demagnetisation is no crossing");
+        assert_eq!(
+            (seen.end, seen.observation),
+            (End::Seen, Observation::Before),
+            "demagnetisation is no crossing"
+        );
         let seen = tick(step, &[edge(40_000, rising)]);
         assert_eq!(seen.crossing(), Some(65_536 - 40_000 + delay), "{step:?}");
     }
@@ -615,7 +622,7 @@ fn a_coasting_motor_is_heard_both_ways() {
         let mut now = Instant::default();
         let per_tick = 2.3 * sign;
         let mut worst = 0.0_f64;
-        let mut heard = 0;
+        let mut received = 0;
         for tick in 0..600 {
             let angle = 77.0 + per_tick * f64::from(tick);
             let emf = |phase: f64| sign * 2.0 * (angle - 120.0 * phase).to_radians().sin();
@@ -626,13 +633,13 @@ fn a_coasting_motor_is_heard_both_ways() {
             now = now.next();
             if let Some(found) = listening.step(&coefficients(), now, &codes, 0) {
                 assert_eq!(found.direction, direction);
-                heard += 1;
+                received += 1;
                 let place = f64::from(found.place) * 30.0 + per_tick * f64::from(found.age) / TICK;
                 worst = worst.max(((angle - place + 180.0).rem_euclid(360.0) - 180.0).abs());
             }
         }
         assert!(listening.is_turning() && listening.direction() == direction);
-        assert!(heard >= 10 && worst < 2.0, "{heard} places, at most {worst} degrees off");
+        assert!(received >= 10 && worst < 2.0, "{received} places, at most {worst} degrees off");
     }
 }
 
@@ -640,7 +647,7 @@ fn a_coasting_motor_is_heard_both_ways() {
 /// evaluates all of them.
 #[test]
 fn a_listener_that_rests_is_one_that_looks() {
-    let (mut rested, mut heard) = (0, 0);
+    let (mut rested, mut received) = (0, 0);
     for sign in [1.0, -1.0] {
         let (mut sleeps, mut looks) = (Listening::default(), Listening::default());
         let mut now = Instant::default();
@@ -666,12 +673,12 @@ fn a_listener_that_rests_is_one_that_looks() {
             } else {
                 sleeps.step(&coefficients(), now, &codes, sample_at)
             };
-            heard += u32::from(found.is_some());
+            received += u32::from(found.is_some());
             assert_eq!(found, expected, "{sign}, tick {tick}");
             assert_eq!(sleeps, looks, "{sign}, tick {tick}");
         }
     }
-    assert!(rested > 5_000 && heard > 15, "{rested} of 6000 ticks, {heard} places");
+    assert!(rested > 5_000 && received > 15, "{rested} of 6000 ticks, {received} places");
 }
 
 #[test]

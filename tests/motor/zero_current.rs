@@ -4,7 +4,7 @@
 use crate::bench::Closed;
 use crate::robustness::config;
 use narx_core::dictionary::number;
-use narx_core::motor::{Request, State};
+use narx_core::motor::{RunRequest, State};
 use narx_sim::plant::{Injection, LoadConfig};
 
 /// Ticks after which, in Standby, the mean of 64 ms has settled to a thousandth.
@@ -41,7 +41,7 @@ fn a_zero_that_was_wrong_at_power_up_is_found_anew_in_standby() {
     closed.run(SETTLED);
     assert_shows(&mut closed, 0.0, "mended");
     // While it drives, the zero is kept: a reading is a current.
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(16_000);
     let (before, _) = mean_current(&mut closed);
     closed.plant.inject(leak);
@@ -79,10 +79,10 @@ fn what_a_coasting_motor_feeds_back_is_no_zero() {
     closed.set_point = 4000.0;
     closed.boot();
     closed.plant.set_load(LoadConfig { inertia: 1e-4, ..LoadConfig::default() });
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(30_000);
     let sag = Injection::Supply(12.0);
-    closed.ask(Request::Standby);
+    closed.ask(RunRequest::Standby);
     closed.plant.inject(sag);
     let mut fed = 0.0;
     for _ in 0..600 {
@@ -91,7 +91,7 @@ fn what_a_coasting_motor_feeds_back_is_no_zero() {
     }
     assert!(fed > 1.0 && closed.drive.state() == State::Standby, "{fed} A into {:?}", closed.drive.state());
     closed.plant.clear(sag);
-    closed.ask(Request::Drive);
+    closed.ask(RunRequest::Drive);
     closed.run(20_000);
     let (shown, flows) = mean_current(&mut closed);
     assert_eq!(closed.drive.state(), State::HallClosedLoop);

@@ -3,7 +3,7 @@
 use narx_core::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::machine::event::{Command, Event, Request, Status};
+use narx_core::motor::machine::event::{Command, Event, RunRequest, Status};
 use narx_core::motor::machine::state::State;
 use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Identity, Node};
@@ -40,7 +40,7 @@ impl Bench {
         bench
     }
 
-    /// Reports a state from the tick, at standstill and with the master heard.
+    /// Reports a state from the tick, at standstill and with the master received.
     pub(crate) fn enter(&mut self, state: State) {
         self.node.handle_status(Status { state, standstill: true, ..Status::default() });
     }
@@ -84,7 +84,7 @@ impl Bench {
     }
 
     /// Commands to the tick: set-points, with a request if there is one.
-    pub(crate) fn commands(&mut self) -> Vec<(Option<Request>, ElectricalSpeed)> {
+    pub(crate) fn commands(&mut self) -> Vec<(Option<RunRequest>, ElectricalSpeed)> {
         let asked = |event| match event {
             Event::Command(Command { request, speed }) => Some((Some(request), speed)),
             Event::SetPoint(speed) => Some((None, speed)),

@@ -107,7 +107,7 @@ fn the_drive_goes_on_over_a_bus_off_and_comes_back_with_fresh_frames() {
     wired.run(0.1);
     wired.send(ToDrive::RequestParameter { number: number::DEVICE_NUMBER });
     wired.step();
-    wired.heard.clear();
+    wired.received.clear();
     wired.bench.disturb_bus(u32::MAX, BIT);
     let mut seen = vec![0];
     for tick in 0..1000 {
@@ -129,7 +129,7 @@ fn the_drive_goes_on_over_a_bus_off_and_comes_back_with_fresh_frames() {
     let mended = wired.bench.now_ns();
     wired.run(0.2);
     let from_drive = |(_, frame): &&(u64, Frame)| FromDrive::decode(frame).is_ok();
-    let first = wired.heard.iter().find(from_drive).unwrap().0 - mended;
+    let first = wired.received.iter().find(from_drive).unwrap().0 - mended;
     println!("{bus_offs} times bus-off in 100 ms, first frame {first} ns after the bus was mended");
     assert!(first < (RECOVERY + 10) * 100_000, "{first} ns");
     let messages = wired.take_messages();
@@ -158,7 +158,7 @@ fn a_bus_that_stays_away_ends_in_the_command_time_out() {
     assert!(wired.bench.now_ns() - lost > 190_000_000, "which was 50 ms old at most");
     assert_eq!(wired.look(number::EXTENDED_FAULT_CODE), Cause::CommandTimeout as i32);
     wired.run(0.2);
-    wired.heard.clear();
+    wired.received.clear();
     wired.bench.disturb_bus(0, 0);
     wired.run(0.02);
     let messages = wired.take_messages();

@@ -42,7 +42,7 @@ impl Device {
         }
     }
 
-    fn hear(&mut self, message: ToDrive) {
+    fn receive(&mut self, message: ToDrive) {
         match message {
             ToDrive::DownloadXml(XmlCommand::Length) => {
                 self.stream.clear();
@@ -140,7 +140,7 @@ impl Bench {
     pub(crate) fn step(&mut self) {
         self.now += TICK;
         while let Some(frame) = self.master.poll_frame(self.now) {
-            self.device.hear(ToDrive::decode(&frame).unwrap().1);
+            self.device.receive(ToDrive::decode(&frame).unwrap().1);
         }
         for message in (0..4).filter_map(|_| self.device.speak()) {
             self.master.handle_frame(&said(message), self.now);

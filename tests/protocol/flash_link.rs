@@ -8,7 +8,7 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::machine::event::{Event, Health};
 use narx_core::motor::machine::state::State;
-use narx_core::storage::{Entry, Memory, Opened, Part, Record, Report, Request};
+use narx_core::storage::{Entry, FlashReply, FlashTask, Memory, Opened, Part, Record};
 
 /// A log with room and five records.
 const LOG: Memory = Memory { records: 16, written: 5, subsectors: 4, erasing: None, lost: false, values: 1 };
@@ -56,13 +56,13 @@ fn an_erase_waits_for_the_motor() {
             assert_eq!(bench.node.poll_storage(), None, "{state:?}");
         }
         bench.enter(State::Standby);
-        assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
-        bench.node.handle_storage(Report::Log { done: true, memory: half });
+        assert_eq!(bench.node.poll_storage(), Some(FlashTask::Erase));
+        bench.node.handle_storage(FlashReply::Log { done: true, memory: half });
         bench.enter(State::OpenLoop);
         assert_eq!(bench.node.poll_storage(), None, "started between two pieces");
         bench.enter(State::Fault);
-        assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
-        bench.node.handle_storage(Report::Log { done: true, memory: Memory { written: 0, ..LOG } });
+        assert_eq!(bench.node.poll_storage(), Some(FlashTask::Erase));
+        bench.node.handle_storage(FlashReply::Log { done: true, memory: Memory { written: 0, ..LOG } });
         assert_eq!(bench.node.poll_storage(), None, "all of it is erased");
     }
 }
@@ -72,17 +72,17 @@ fn an_erase_that_fails_is_fault_30() {
     for left in [None, Some(1)] {
         let mut bench = bench(LOG);
         assert_eq!(command(&mut bench, number::LOG_ERASE_REQUEST), Done);
-        assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
-        bench.node.handle_storage(Report::Log { done: false, memory: Memory { erasing: left, ..LOG } });
+        assert_eq!(bench.node.poll_storage(), Some(FlashTask::Erase));
+        bench.node.handle_storage(FlashReply::Log { done: false, memory: Memory { erasing: left, ..LOG } });
         assert_eq!(store_faults(&mut bench), [FaultWord::STORE_ABSENT], "{left:?}");
         // The node searches for the flash; until it answers, no other request is made.
-        assert_eq!(bench.node.poll_storage(), Some(Request::Open), "{left:?}");
-        bench.node.handle_storage(Report::Opened(opened(FaultWord::STORE_ABSENT, Memory::default())));
+        assert_eq!(bench.node.poll_storage(), Some(FlashTask::Open), "{left:?}");
+        bench.node.handle_storage(FlashReply::Opened(opened(FaultWord::STORE_ABSENT, Memory::default())));
         assert_eq!(command(&mut bench, number::LOG_ERASE_REQUEST), Storage, "{left:?}");
         // When it answers, earlier requests are forgotten: its log may be another one.
         bench.node.poll(1000 * MS);
-        assert_eq!(bench.node.poll_storage(), Some(Request::Open), "{left:?}");
-        bench.node.handle_storage(Report::Opened(opened(FaultWord::empty(), LOG)));
+        assert_eq!(bench.node.poll_storage(), Some(FlashTask::Open), "{left:?}");
+        bench.node.handle_storage(FlashReply::Opened(opened(FaultWord::empty(), LOG)));
         assert_eq!(store_faults(&mut bench), [FaultWord::empty()], "{left:?}");
         assert_eq!(bench.node.poll_storage(), None, "{left:?}");
     }
@@ -96,11 +96,11 @@ fn a_record_that_finds_no_place_is_no_fault() {
     bench.write(number::LOGGING_SLOT_FIRST, number::AUTOSEND_PERIOD.into());
     bench.node.poll(0);
     bench.node.poll(10 * MS);
-    assert!(matches!(bench.node.poll_storage(), Some(Request::Append(_))));
-    bench.node.handle_storage(Report::Log { done: false, memory: LOG });
+    assert!(matches!(bench.node.poll_storage(), Some(FlashTask::Append(_))));
+    bench.node.handle_storage(FlashReply::Log { done: false, memory: LOG });
     assert_eq!(store_faults(&mut bench), []);
     bench.node.poll(20 * MS);
-    assert!(matches!(bench.node.poll_storage(), Some(Request::Append(_))), "the next one is tried");
+    assert!(matches!(bench.node.poll_storage(), Some(FlashTask::Append(_))), "the next one is tried");
 }
 
 /// The flash may answer a request after the master has aborted it; the record is not sent.
@@ -109,15 +109,15 @@ fn a_record_that_comes_after_an_abort_is_not_sent() {
     let mut bench = bench(LOG);
     bench.write(number::LOG_READ_COUNT, 2);
     assert_eq!(command(&mut bench, number::LOG_READ_REQUEST), Done);
-    assert_eq!(bench.node.poll_storage(), Some(Request::Read(0)));
+    assert_eq!(bench.node.poll_storage(), Some(FlashTask::Read(0)));
     assert_eq!(bench.write(number::LOG_READ_REQUEST, 0), (0, Done));
-    let record = |index| Report::Record(Some(Record::new(index, &Entry::default())));
+    let record = |index| FlashReply::Record(Some(Record::new(index, &Entry::default())));
     bench.node.handle_storage(record(0));
     assert_eq!((bench.node.poll_bulk_frame(), bench.node.poll_storage()), (None, None));
     // Another range starts from its beginning.
     bench.write(number::LOG_READ_START, 3);
     assert_eq!(bench.write(number::LOG_READ_REQUEST, 1), (1, Done));
-    assert_eq!(bench.node.poll_storage(), Some(Request::Read(3)));
+    assert_eq!(bench.node.poll_storage(), Some(FlashTask::Read(3)));
     bench.node.handle_storage(record(3));
     let frame = bench.node.poll_bulk_frame().expect("its first words");
     // The record's start marker and its index.
@@ -131,7 +131,7 @@ fn a_log_that_has_lost_its_beginning_is_erased_and_not_read() {
     assert_eq!(command(&mut bench, number::LOG_READ_REQUEST), Storage);
     assert_eq!((bench.node.poll_storage(), bench.node.poll_bulk_frame()), (None, None));
     assert_eq!(command(&mut bench, number::LOG_ERASE_REQUEST), Done);
-    assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
+    assert_eq!(bench.node.poll_storage(), Some(FlashTask::Erase));
 }
 
 /// Times of the records that the polls at these ticks cause, ms. The flash answers at once, or after the
@@ -147,9 +147,9 @@ fn times(polls: &[u64], busy: impl Fn(u64) -> bool) -> Vec<u32> {
             continue;
         }
         while let Some(request) = bench.node.poll_storage() {
-            let Request::Append(Entry { time, .. }) = request else { panic!("{request:?}") };
+            let FlashTask::Append(Entry { time, .. }) = request else { panic!("{request:?}") };
             times.push(time);
-            bench.node.handle_storage(Report::Log { done: true, memory: LOG });
+            bench.node.handle_storage(FlashReply::Log { done: true, memory: LOG });
         }
     }
     times
@@ -183,8 +183,8 @@ fn a_restore_without_a_flash_is_refused() {
         bench.write(number::SPEED_RATE, 1234);
         if !present {
             command(&mut bench, number::LOG_ERASE_REQUEST);
-            assert_eq!(bench.node.poll_storage(), Some(Request::Erase));
-            bench.node.handle_storage(Report::Log { done: false, memory: LOG });
+            assert_eq!(bench.node.poll_storage(), Some(FlashTask::Erase));
+            bench.node.handle_storage(FlashReply::Log { done: false, memory: LOG });
         }
         bench.send(ToDrive::RestoreFactory { serial: 1 });
         assert_eq!((bench.refused(), bench.read(number::SPEED_RATE)), (i32::from(!present), (1234, Done)));
@@ -192,11 +192,11 @@ fn a_restore_without_a_flash_is_refused() {
         if present {
             let mut factory = bench.node.parameters().clone();
             factory.set(number::SPEED_RATE, 2000).unwrap();
-            assert_eq!(request, Some(Request::Store(factory, Part::Set)));
+            assert_eq!(request, Some(FlashTask::Store(factory, Part::Set)));
             continue;
         }
-        assert_eq!(request, Some(Request::Open));
-        bench.node.handle_storage(Report::Opened(opened(FaultWord::empty(), LOG)));
+        assert_eq!(request, Some(FlashTask::Open));
+        bench.node.handle_storage(FlashReply::Opened(opened(FaultWord::empty(), LOG)));
         assert_eq!((bench.node.poll_storage(), bench.read(number::SPEED_RATE)), (None, (1234, Done)));
     }
 }
@@ -209,12 +209,12 @@ fn a_restore_outlives_the_store_before_it() {
     for value in [0, 1] {
         bench.send(ToDrive::SetParameter { number: number::STORE_ONCE, value });
     }
-    assert!(matches!(bench.node.poll_storage(), Some(Request::Store(_, Part::Once))));
+    assert!(matches!(bench.node.poll_storage(), Some(FlashTask::Store(_, Part::Once))));
     bench.send(ToDrive::RestoreFactory { serial: 1 });
-    bench.node.handle_storage(Report::Stored { done: false, log: LOG });
-    assert_eq!(bench.node.poll_storage(), Some(Request::Open));
-    bench.node.handle_storage(Report::Opened(opened(FaultWord::empty(), LOG)));
-    let Some(Request::Store(stored, Part::Set)) = bench.node.poll_storage() else {
+    bench.node.handle_storage(FlashReply::Stored { done: false, log: LOG });
+    assert_eq!(bench.node.poll_storage(), Some(FlashTask::Open));
+    bench.node.handle_storage(FlashReply::Opened(opened(FaultWord::empty(), LOG)));
+    let Some(FlashTask::Store(stored, Part::Set)) = bench.node.poll_storage() else {
         panic!("nothing is stored")
     };
     assert_eq!(stored.raw(number::SPEED_RATE), 2000);
@@ -240,7 +240,7 @@ fn a_missing_flash_is_looked_for_at_rest() {
         let mut bench = Bench::new();
         bench.node.attach_storage(&opened(FaultWord::STORE_ABSENT, Memory::default()));
         bench.enter(state);
-        assert_eq!(bench.node.poll_storage(), looks.then_some(Request::Open), "{state:?}");
+        assert_eq!(bench.node.poll_storage(), looks.then_some(FlashTask::Open), "{state:?}");
     }
 }
 
@@ -249,7 +249,7 @@ fn a_missing_flash_is_looked_for_at_rest() {
 fn a_store_that_was_not_asked_for_is_none() {
     let mut bench = bench(LOG);
     let before = bench.node.clone();
-    bench.node.handle_storage(Report::Stored { done: false, log: LOG });
+    bench.node.handle_storage(FlashReply::Stored { done: false, log: LOG });
     assert_eq!(bench.node, before);
     assert_eq!((bench.messages(), store_faults(&mut bench)), (vec![], vec![]));
 }

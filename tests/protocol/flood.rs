@@ -34,14 +34,14 @@ fn to_drive(kind: MessageKind, opcode: u16) -> MessageId {
 fn ask(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) -> u64 {
     let mut longest = 0;
     for question in 0..100_u16 {
-        wired.heard.clear();
+        wired.received.clear();
         let asked = wired.bench.now_ns();
         wired.send(ToDrive::RequestParameter { number: question });
         // 17.3 ms: the requests come at all phases of the broadcasts.
         for _ in 0..173 {
             step(wired, flood);
         }
-        let answers = wired.heard.iter().filter(|(_, frame)| {
+        let answers = wired.received.iter().filter(|(_, frame)| {
             let message = FromDrive::decode(frame).map(|(_, message)| message);
             matches!(message, Ok(FromDrive::Parameter { number, .. }) if number == question)
         });
@@ -119,25 +119,25 @@ fn a_flood_of_the_highest_priority_silences_everybody() {
     for _ in 0..10 {
         step(&mut wired, &flood);
     }
-    wired.heard.clear();
+    wired.received.clear();
     wired.send(ToDrive::RequestParameter { number: number::DEVICE_NUMBER });
     for _ in 0..3_000 {
         step(&mut wired, &flood);
     }
     let addresses = wired.bench.node().addresses();
     let from_drive = |frame: &Frame| MessageId::of(frame).is_ok_and(|id| id.source == addresses.drive);
-    assert!(!wired.heard.iter().any(|(_, frame)| from_drive(frame)));
+    assert!(!wired.received.iter().any(|(_, frame)| from_drive(frame)));
     assert_eq!(wired.bench.status().state, State::Fault);
     assert_eq!(wired.look(number::EXTENDED_FAULT_CODE), Cause::CommandTimeout as i32);
 
-    wired.heard.clear();
+    wired.received.clear();
     wired.asks = None;
     while wired.bench.other_queued() > 0 {
         wired.step();
     }
     let free = wired.bench.now_ns();
     wired.run(0.02);
-    let answer = wired.heard.iter().find(|(_, frame)| {
+    let answer = wired.received.iter().find(|(_, frame)| {
         matches!(
             FromDrive::decode(frame),
             Ok((_, FromDrive::Parameter { number: number::DEVICE_NUMBER, .. }))

@@ -5,7 +5,7 @@ use crate::pair::{Pair, is_command, said};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, StatusWord, ToDrive};
 use narx_core::dictionary::{PARAMETER_COUNT, Parameters, number};
 use narx_core::master::{Config, DescriptionReader, Download, Master, NotTaken, Request, Service};
-use narx_core::motor::machine::event::{Request as MotorRequest, Status};
+use narx_core::motor::machine::event::{RunRequest, Status};
 use narx_core::motor::machine::state::State;
 use proptest::prelude::*;
 
@@ -48,9 +48,9 @@ fn commands_go_out_at_once_and_are_repeated() {
     pair.step();
     assert_eq!(pair.take_sent(is_command)[1], requested(MotorMode::Fault));
     assert_eq!((pair.master.requested(), pair.master.setpoint()), (Some(MotorMode::Fault), 1200));
-    let requests: Vec<MotorRequest> =
+    let requests: Vec<RunRequest> =
         pair.bench.commands().iter().filter_map(|(request, _)| *request).collect();
-    assert_eq!(requests, [MotorRequest::Standby, MotorRequest::Reverse]);
+    assert_eq!(requests, [RunRequest::Standby, RunRequest::Reverse]);
 }
 
 #[test]
@@ -60,10 +60,18 @@ fn a_started_drive_is_fed_and_says_what_it_accepts() {
     let mut pair = Pair::with_parameters(Config::default(), parameters);
     pair.master.start(9000);
     pair.run(1);
-    assert_eq!(pair.master.report().accepted_speed.map(|heard| heard.value), Some(4000), "parameter 103");
+    assert_eq!(
+        pair.master.report().accepted_speed.map(|received| received.value),
+        Some(4000),
+        "parameter 103"
+    );
     pair.master.set_speed(0);
     pair.run(1);
-    assert_eq!(pair.master.report().accepted_speed.map(|heard| heard.value), Some(500), "parameter 104");
+    assert_eq!(
+        pair.master.report().accepted_speed.map(|received| received.value),
+        Some(500),
+        "parameter 104"
+    );
     // Reading the parameters meanwhile does not delay the commands.
     pair.take_sent(|_| true);
     pair.run(400);
@@ -79,7 +87,7 @@ fn a_started_drive_is_fed_and_says_what_it_accepts() {
 }
 
 #[test]
-fn a_silent_master_hears_everything_and_sends_nothing() {
+fn a_silent_master_receives_everything_and_sends_nothing() {
     let mut pair = Pair::new(Config { silent: true, ..Config::default() });
     pair.master.start(1000);
     pair.bench.node.handle_status(Status { state: State::Standby, ..Status::default() });
@@ -94,7 +102,7 @@ fn a_silent_master_hears_everything_and_sends_nothing() {
     // Answers to another master at the same address fill the mirror.
     pair.bench.send(ToDrive::RequestParameter { number: number::CAN_TIMEOUT });
     pair.run(1);
-    assert_eq!(pair.master.parameters().get(number::CAN_TIMEOUT).map(|heard| heard.value), Some(250));
+    assert_eq!(pair.master.parameters().get(number::CAN_TIMEOUT).map(|received| received.value), Some(250));
 }
 
 #[test]

@@ -48,7 +48,7 @@ impl Rig {
         while let Some(received) = self.bench.receive() {
             self.master.handle_frame(&received.frame, received.time_ns / 1000);
         }
-        while self.bench.overhear().is_some() {}
+        while self.bench.monitor().is_some() {}
     }
 
     pub(crate) fn run(&mut self, seconds: f64) {
@@ -117,7 +117,7 @@ fn a_motor_is_operated_from_power_up_to_the_end() {
     let accepted = rig.master.report().accepted_speed.unwrap().value;
     assert_eq!(
         Some(i32::from(accepted)),
-        rig.master.parameters().get(number::SPEED_MAX_HES).map(|heard| heard.value)
+        rig.master.parameters().get(number::SPEED_MAX_HES).map(|received| received.value)
     );
     rig.master.stop();
     rig.until(State::Standby);
@@ -192,7 +192,8 @@ fn services_of_the_drive() {
     let mut rig = Rig::new(Mode::Hall, Config::default());
     rig.until(State::Standby);
     rig.run(0.5);
-    let offset = |rig: &Rig| rig.master.parameters().get(number::HV_VOLTAGE_OFFSET).map(|heard| heard.value);
+    let offset =
+        |rig: &Rig| rig.master.parameters().get(number::HV_VOLTAGE_OFFSET).map(|received| received.value);
     assert_eq!(rig.ask(Request::Run(Service::AutoCalibrate)).result, Ok(1));
     rig.run(0.5);
     let calibrated = offset(&rig).unwrap();

@@ -141,7 +141,7 @@ fn a_start_without_a_drive_ends_by_its_time() {
     assert_eq!(error.to_string(), "no start within 10 s: no frames were received from the drive");
 }
 
-/// Another command ends a job; the motor obeys that command.
+/// Another command ends a job; the motor accepts that command.
 #[test]
 fn another_command_ends_a_job() {
     let orders: [fn(&mut Rig); 3] =

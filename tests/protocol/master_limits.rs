@@ -46,8 +46,8 @@ fn a_set_point_is_refused_where_the_drive_would_clamp_it() {
         ([1, 1, 1], 300, 4100),
     ] {
         let mut pair = Pair::with_parameters(Config::default(), drive(enabled));
-        assert_eq!(pair.master.speed_limits(), None, "nothing was heard yet");
-        assert_eq!(pair.master.check_speed(30_000), Ok(()), "nothing was heard yet");
+        assert_eq!(pair.master.speed_limits(), None, "nothing was received yet");
+        assert_eq!(pair.master.check_speed(30_000), Ok(()), "nothing was received yet");
         pair.run(400);
         let limits = pair.master.speed_limits().unwrap();
         assert_eq!((limits.min.rpm, limits.max.rpm), (min, max), "{enabled:?}");

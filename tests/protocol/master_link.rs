@@ -101,9 +101,9 @@ proptest! {
         pair.run(500);
         prop_assert!(pair.master.is_connected(pair.now));
         prop_assert_eq!((pair.master.parameters().known(), pair.master.parameters_to_read()), (PARAMETER_COUNT, 0));
-        for (row, heard) in pair.master.parameters().iter() {
+        for (row, received) in pair.master.parameters().iter() {
             let live = row.access == Access::ReadOnly;
-            prop_assert!(live || heard.map(|heard| heard.value) == pair.bench.node.parameters().value(row.number));
+            prop_assert!(live || received.map(|received| received.value) == pair.bench.node.parameters().value(row.number));
         }
         prop_assert_eq!(pair.master.requested(), Some(MotorMode::Drive));
         let rate = pair.ask(Request::Write { number: number::SPEED_RATE, raw: 777 });

@@ -8,7 +8,7 @@ use narx_core::bus::narmotion::{
     ToDrive,
 };
 use narx_core::dictionary::{Access, Decimal, PARAMETER_COUNT, number};
-use narx_core::master::{Config, Heard, Master};
+use narx_core::master::{Config, Master, Received};
 use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_core::motor::machine::state::State;
 
@@ -21,21 +21,21 @@ fn parameters_are_read_at_the_beginning_and_kept() {
     assert_eq!(
         (pair.master.parameters().known(), pair.master.parameters_to_read()),
         (0, 0),
-        "nobody was heard yet"
+        "nobody was received yet"
     );
     pair.run(400);
     assert_eq!((pair.master.parameters().known(), pair.master.parameters_to_read()), (PARAMETER_COUNT, 0));
-    for (row, heard) in pair.master.parameters().iter() {
-        let heard = heard.unwrap();
+    for (row, received) in pair.master.parameters().iter() {
+        let received = received.unwrap();
         let live = row.access == Access::ReadOnly;
         assert!(
-            live || Some(heard.value) == pair.bench.node.parameters().value(row.number),
+            live || Some(received.value) == pair.bench.node.parameters().value(row.number),
             "{}",
             row.name()
         );
-        assert!(heard.at <= pair.now && heard.age(pair.now) <= 400 * MS);
+        assert!(received.at <= pair.now && received.age(pair.now) <= 400 * MS);
     }
-    assert_eq!(pair.master.parameters().find("CAN TimeOut period").map(|heard| heard.value), Some(250));
+    assert_eq!(pair.master.parameters().find("CAN TimeOut period").map(|received| received.value), Some(250));
     assert_eq!(pair.master.parameters().get(122), None);
 
     let mut quiet = Pair::quiet();
@@ -61,7 +61,7 @@ fn reading_that_begins_anew_leaves_nothing_out() {
     let begin = pair.now;
     pair.master.read_parameters();
     pair.run(400);
-    assert!(pair.master.parameters().iter().all(|(_, heard)| heard.unwrap().at > begin));
+    assert!(pair.master.parameters().iter().all(|(_, received)| received.unwrap().at > begin));
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_drive_that_comes_back_is_read_again() {
     pair.bench.node.write_parameter(number::SPEED_RATE, 1234);
     pair.run(400);
     assert!(pair.master.is_connected(pair.now));
-    assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|heard| heard.value), Some(1234));
+    assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|received| received.value), Some(1234));
 }
 
 #[test]
@@ -115,8 +115,8 @@ fn what_the_drive_says_is_kept_with_its_time() {
     master.handle_frame(&said(FromDrive::Faults(faults)), 200);
     master.handle_frame(&said(FromDrive::CriticalFault { faults: critical, code: 0x0201 }), 300);
     let report = *master.report();
-    assert_eq!(report.status, Some(Heard { value: status, at: 100 }));
-    assert_eq!(report.faults, Some(Heard { value: faults, at: 200 }));
+    assert_eq!(report.status, Some(Received { value: status, at: 100 }));
+    assert_eq!(report.faults, Some(Received { value: faults, at: 200 }));
     let fault = report.critical.unwrap();
     assert_eq!((fault.value.faults, fault.at, fault.age(1300)), (critical, 300, 1000));
     assert_eq!(fault.value.cause().map(|row| row.cause), Some(Cause::OverVoltage));
@@ -144,7 +144,7 @@ fn the_exact_state_is_asked_for() {
 #[test]
 fn measurements_have_names_units_and_ages() {
     let mut master = Master::new(Config::default());
-    assert!(master.measurements().iter().all(|(_, heard)| heard.is_none()));
+    assert!(master.measurements().iter().all(|(_, received)| received.is_none()));
     let frames = [
         Measurement::M0 { accel: [-1000, 2, 3], dsi1: true },
         Measurement::M1 { speed_sensorless: -4000, position: -123_456, power: 1500 },
@@ -161,7 +161,7 @@ fn measurements_have_names_units_and_ages() {
     let text: Vec<String> = master
         .measurements()
         .iter()
-        .map(|(signal, heard)| format!("{} {} {}", signal.name, heard.unwrap().value, signal.unit))
+        .map(|(signal, received)| format!("{} {} {}", signal.name, received.unwrap().value, signal.unit))
         .collect();
     let expected = [
         "Accel X -1 g",
@@ -187,12 +187,12 @@ fn measurements_have_names_units_and_ages() {
         "DSI2_DSP 0 -",
     ];
     assert_eq!(text, expected);
-    let voltage = Heard { value: Decimal { digits: 4801, exponent: -2 }, at: 2 };
+    let voltage = Received { value: Decimal { digits: 4801, exponent: -2 }, at: 2 };
     assert_eq!(master.measurements().find("hv voltage"), Some(voltage));
     assert_eq!(master.measurements().get(&SIGNALS[7]), Some(voltage));
     let frame = |number| master.measurements().frame(Opcode::new(number).unwrap());
-    assert_eq!(frame(207), Some(Heard { value: Measurement::M7([1, 2, 3, 4]), at: 6 }));
-    assert_eq!(frame(208), Some(Heard { value: Measurement::M8([5, 6, 7, 8]), at: 7 }));
+    assert_eq!(frame(207), Some(Received { value: Measurement::M7([1, 2, 3, 4]), at: 6 }));
+    assert_eq!(frame(208), Some(Received { value: Measurement::M8([5, 6, 7, 8]), at: 7 }));
     assert_eq!((frame(206), frame(209), frame(110)), (None, None, None));
 }
 
@@ -227,7 +227,7 @@ fn the_speed_is_that_of_the_control_mode() {
             master.handle_frame(&said(FromDrive::Measurement(measurement)), 9);
         }
         let case = format!("{control:?}, {sensorless} rpm by SL, {hall} rpm by HES");
-        assert_eq!(master.speed(), Some(Heard { value: expected, at: 9 }), "{case}");
+        assert_eq!(master.speed(), Some(Received { value: expected, at: 9 }), "{case}");
         assert_eq!(master.speed(), master.measurements().speed(control), "{case}");
     }
 }

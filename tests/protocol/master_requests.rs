@@ -5,12 +5,12 @@ use crate::pair::{Pair, is_request, said};
 use narx_core::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive};
 use narx_core::dictionary::{Dictionary, number};
 use narx_core::master::{
-    Answer, BuildInfo, Config, DeviceInfo, Heard, Master, NotTaken, Request, RequestError, Service,
+    Answer, BuildInfo, Config, DeviceInfo, Master, NotTaken, Received, Request, RequestError, Service,
 };
 use narx_core::motor::machine::event::Status;
 use narx_core::motor::machine::state::State;
 use narx_core::node::Action;
-use narx_core::scope::{Report, State as ScopeState};
+use narx_core::scope::{ScopeReply, State as ScopeState};
 use narx_core::units::Volts;
 
 const MS: u64 = 1000;
@@ -39,9 +39,9 @@ fn reads_and_writes_are_answered_in_their_order() {
     assert_eq!(answers, expected);
     assert_eq!(pair.bench.node.parameters().value(number::SPEED_RATE).unwrap(), 777);
     let build = BuildInfo { number: IDENTITY.build_number, modified: false, date: 20_261_120 };
-    assert_eq!(pair.master.report().build.map(|heard| heard.value), Some(build));
+    assert_eq!(pair.master.report().build.map(|received| received.value), Some(build));
     let device = DeviceInfo { hardware: 3, software: 0x0102, device_number: 1, address: 170 };
-    assert_eq!(pair.master.report().device.map(|heard| heard.value), Some(device));
+    assert_eq!(pair.master.report().device.map(|received| received.value), Some(device));
     assert_eq!((Request::read("no such name"), Request::write("no such name", 1)), (None, None));
 }
 
@@ -171,7 +171,7 @@ fn messages_without_an_answer_are_checked_by_the_refused_frames() {
     assert_eq!(pair.ask(Request::DisableHallSupply(false)).result, refused);
     // This node has no scope: the request to arm has neither succeeded nor been refused.
     assert_eq!(pair.ask(Request::TriggerScope).result, Ok(0));
-    pair.bench.node.handle_scope(Report::State(ScopeState::Recording, 0));
+    pair.bench.node.handle_scope(ScopeReply::State(ScopeState::Recording, 0));
     assert_eq!(pair.ask(Request::TriggerScope).result, refused, "it records");
     assert_eq!(RequestError::NotObeyed.to_string(), "the drive has refused the request");
     assert_eq!(pair.bench.refused(), 3);
@@ -185,7 +185,7 @@ fn factory_values_are_restored_in_the_store_and_stay_as_they_are_in_force() {
     assert_eq!(pair.ask(Request::RestoreFactory { serial: 2 }).result, Err(RequestError::NotObeyed));
     assert_eq!(pair.ask(Request::RestoreFactory { serial: 1 }).result, Ok(0));
     pair.run(400);
-    assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|heard| heard.value), Some(777));
+    assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|received| received.value), Some(777));
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn a_late_read_is_not_taken_for_the_answer_to_a_write() {
     let answer = |value, status| said(FromDrive::Parameter { number: number::SPEED_RATE, value, status });
     master.handle_frame(&answer(1000, ParameterStatus::Done), 10);
     assert_eq!(master.poll_answer(), None);
-    assert_eq!(master.parameters().get(number::SPEED_RATE), Some(Heard { value: 1000, at: 10 }));
+    assert_eq!(master.parameters().get(number::SPEED_RATE), Some(Received { value: 1000, at: 10 }));
     master.handle_frame(&answer(5000, ParameterStatus::Done), 20);
     assert_eq!(master.poll_answer().map(|answer| answer.result), Some(Ok(5000)));
     // Nor the other way round: a refused write does not count as the answer to a read.

@@ -95,7 +95,7 @@ impl Script {
             if at == At::End {
                 assert_eq!(script.blocks(), [0, 1, 2, 3]);
             }
-            script.hear(answer);
+            script.receive(answer);
             if at != At::Reboot {
                 assert_eq!(script.sent(), Vec::from_iter(expected), "{at:?}");
             } else if at < end {
@@ -105,7 +105,7 @@ impl Script {
         script
     }
 
-    fn hear(&mut self, message: FromDrive) {
+    fn receive(&mut self, message: FromDrive) {
         self.master.handle_frame(&said(message), self.now);
     }
 
@@ -134,7 +134,7 @@ impl Script {
 #[test]
 fn an_update_keeps_its_course() {
     let mut script = Script::at(At::Confirm);
-    script.hear(is(Idle, Done));
+    script.receive(is(Idle, Done));
     assert_eq!(script.master.poll_update(), Some(Ok(())));
     assert_eq!((script.sent(), script.master.poll_update()), (vec![], None));
 }
@@ -148,7 +148,7 @@ fn one_update_at_a_time_and_none_by_a_silent_master() {
     let mut script = Script::at(At::Sending);
     assert_eq!(script.master.update(image()), Err(NotTaken::Full));
     assert_eq!(script.blocks(), [0, 1, 2, 3], "the one under way goes on");
-    script.hear(is(Idle, TimedOut));
+    script.receive(is(Idle, TimedOut));
     assert_eq!(script.master.update(image()), Err(NotTaken::Full), "its end was not taken");
     assert_eq!(script.master.poll_update(), Some(Err(UpdateError::Refused(TimedOut))));
     assert_eq!(script.master.update(image()), Ok(()));
@@ -203,7 +203,7 @@ fn what_ends_an_update() {
         (At::Confirm, is(Trial, Flash), Refused(Flash)),
     ] {
         let mut script = Script::at(at);
-        script.hear(answer);
+        script.receive(answer);
         assert_eq!(script.master.poll_update(), Some(Err(error)), "{at:?}: {answer:?}");
         assert_eq!((script.sent(), script.blocks()), (vec![], vec![]), "{at:?}: {answer:?}");
     }
@@ -237,7 +237,7 @@ fn what_does_not_belong_to_a_stage_is_passed_over() {
         (At::Confirm, DEVICE),
     ] {
         let (mut script, mut other) = (Script::at(at), Script::at(at));
-        script.hear(answer);
+        script.receive(answer);
         assert_eq!(script.master.poll_update(), None, "{at:?}: {answer:?}");
         assert_eq!(script.master.update_progress(), other.master.update_progress(), "{at:?}: {answer:?}");
         // The update goes on as before.
@@ -255,11 +255,11 @@ fn what_does_not_belong_to_a_stage_is_passed_over() {
 #[test]
 fn a_drive_that_restarts_by_itself_is_waited_for() {
     let mut script = Script::at(At::Reboot);
-    script.hear(FromDrive::Reboot);
+    script.receive(FromDrive::Reboot);
     assert_eq!(script.sent(), []);
     script.now += 200 * MS;
     assert_eq!(script.sent(), [ToDrive::Update(UpdateRequest::Status)]);
-    script.hear(is(Trial, Done));
+    script.receive(is(Trial, Done));
     assert_eq!(script.sent(), [ToDrive::Update(UpdateRequest::Version)]);
 }
 
@@ -270,7 +270,7 @@ fn a_drive_that_has_not_restarted_is_asked_again() {
     let asked = script.now;
     let again = loop {
         script.now += 50 * MS;
-        script.hear(is(Marked, Done));
+        script.receive(is(Marked, Done));
         if script.sent().contains(&ToDrive::Reboot) {
             break script.now - asked;
         }
@@ -287,14 +287,14 @@ fn what_is_missing_is_sent_again() {
     for at in [At::Sending, At::End] {
         let mut script = Script::at(at);
         script.blocks();
-        script.hear(gap);
+        script.receive(gap);
         script.now += 4 * PACE;
         assert_eq!(script.blocks(), [1, 2], "{at:?}: as far as there is room");
         let progress = UpdateProgress { stage: UpdateStage::Sending, done: 6, total: LENGTH };
         assert_eq!(script.master.update_progress(), Some(progress), "{at:?}");
-        script.hear(status(Receiving, Done, WINDOW, 18));
+        script.receive(status(Receiving, Done, WINDOW, 18));
         assert_eq!(script.blocks(), [3], "{at:?}: what is on its way is not sent twice");
-        script.hear(status(Receiving, Done, WINDOW, LENGTH));
+        script.receive(status(Receiving, Done, WINDOW, LENGTH));
         assert_eq!(script.sent(), [ToDrive::Update(UpdateRequest::End { crc: image().crc })], "{at:?}");
     }
 }

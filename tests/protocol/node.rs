@@ -5,7 +5,7 @@ use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::guard::fault::FaultWord;
-use narx_core::motor::machine::event::{Event, Health, Request, Status};
+use narx_core::motor::machine::event::{Event, Health, RunRequest, Status};
 use narx_core::motor::machine::state::State;
 use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Action, Node, SlowInputs};
@@ -16,15 +16,15 @@ use proptest::prelude::*;
 fn requests_and_set_points_become_commands() {
     let mut bench = Bench::new();
     bench.request(MotorMode::Drive);
-    assert_eq!(bench.commands(), [(Some(Request::Drive), ElectricalSpeed::ZERO)]);
+    assert_eq!(bench.commands(), [(Some(RunRequest::Drive), ElectricalSpeed::ZERO)]);
     bench.send(ToDrive::MotorCommand { speed: 3000 });
     assert_eq!(bench.commands(), [(None, speed(3000, 4))]);
     bench.request(MotorMode::Reverse);
-    assert_eq!(bench.commands(), [(Some(Request::Reverse), speed(3000, 4))]);
+    assert_eq!(bench.commands(), [(Some(RunRequest::Reverse), speed(3000, 4))]);
     bench.request(MotorMode::Fault);
     bench.request(MotorMode::Standby);
-    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
-    assert_eq!(requests, [Request::Shutdown, Request::Standby]);
+    let requests: Vec<RunRequest> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
+    assert_eq!(requests, [RunRequest::Shutdown, RunRequest::Standby]);
     // A repeated request is a command again: it restarts the time-out.
     bench.request(MotorMode::Standby);
     assert_eq!(bench.commands().len(), 1);
@@ -98,17 +98,17 @@ fn a_flood_of_requests_never_loses_the_stop() {
         bench.request(Drive);
         bench.request(Standby);
     }
-    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
+    let requests: Vec<RunRequest> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
     assert!(requests.len() <= 8, "{requests:?}");
-    assert_eq!(requests.last(), Some(&Request::Standby));
+    assert_eq!(requests.last(), Some(&RunRequest::Standby));
     bench.request(Fault);
     for _ in 0..100 {
         bench.request(Drive);
         bench.request(Reverse);
     }
-    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
-    assert!(requests.contains(&Request::Shutdown), "{requests:?}");
-    assert_eq!(requests.last(), Some(&Request::Reverse));
+    let requests: Vec<RunRequest> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
+    assert!(requests.contains(&RunRequest::Shutdown), "{requests:?}");
+    assert_eq!(requests.last(), Some(&RunRequest::Reverse));
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn reboot_is_acknowledged_before_it_happens() {
 }
 
 #[test]
-fn frames_that_are_not_obeyed_change_nothing_but_a_counter() {
+fn frames_that_are_not_accepted_change_nothing_but_a_counter() {
     let id = Id::extended(0x0AAD_5202).unwrap();
     let parameter = 0x0072_0000_0064_0000;
     // Frame, refused, malformed.
@@ -264,7 +264,7 @@ fn any_frame() -> impl Strategy<Value = Frame> {
 }
 
 /// Type and opcode, if the frame is one for this drive; written from the protocol, not from the code.
-fn heard(frame: &Frame) -> Option<(u32, u32)> {
+fn received(frame: &Frame) -> Option<(u32, u32)> {
     let raw = frame.id().raw();
     let addressed = raw >> 19 & 0xFF == 0x55 && raw >> 11 & 0xFF == 0xAA;
     let shaped = frame.id().is_extended() && !frame.is_remote() && frame.dlc() == 8;
@@ -283,25 +283,25 @@ proptest! {
             let outputs = bench.node.outputs();
             let counted = i64::from(bench.refused()) + i64::from(bench.malformed());
             bench.node.handle_frame(&frame);
-            let heard = heard(&frame);
+            let received = received(&frame);
             let data = frame.payload();
-            let command = match heard {
+            let command = match received {
                 Some((1, 2)) => data[3] & 0xF < 4,
                 Some((1, 102)) => true,
                 _ => false,
             };
             prop_assert_eq!(bench.commands().len(), usize::from(command), "{:?}", frame);
-            if !matches!(heard, Some((1, 110 | 113))) {
+            if !matches!(received, Some((1, 110 | 113))) {
                 prop_assert_eq!(bench.node.parameters(), &before);
             }
-            if heard.is_none() {
+            if received.is_none() {
                 prop_assert_eq!(bench.node.outputs(), outputs);
             }
             // Every frame is carried out, answered, counted, or for another node.
             let counted = i64::from(bench.refused()) + i64::from(bench.malformed()) - counted;
             let answers = bench.messages().len();
             prop_assert!(counted <= 1 && answers <= 1);
-            if heard.is_none() {
+            if received.is_none() {
                 prop_assert_eq!(answers, 0);
             }
             prop_assert!(bench.node.parameters().iter().all(|(row, raw)| row.accepts(raw)));

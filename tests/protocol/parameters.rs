@@ -314,7 +314,7 @@ fn a_new_device_number_waits_for_the_reboot() {
 fn a_new_address_waits_for_the_reboot() {
     let mut bench = Bench::new();
     assert_eq!(bench.write(number::SLAVE_CAN_ADDRESS, 7), (7, Done));
-    assert_eq!(bench.read(number::SLAVE_CAN_ADDRESS), (7, Done), "still heard at the old address");
+    assert_eq!(bench.read(number::SLAVE_CAN_ADDRESS), (7, Done), "still received at the old address");
     let rebooted = Bench::with_parameters(bench.node.parameters().clone());
     assert_eq!(rebooted.node.addresses().drive, 7);
 }

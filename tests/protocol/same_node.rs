@@ -4,7 +4,7 @@
 use crate::bench::Bench;
 use narx_core::bus::narmotion::{Addresses, MotorMode, RequestWord, ToDrive};
 use narx_core::node::Node;
-use narx_core::scope::{Block, Report, State};
+use narx_core::scope::{Block, ScopeReply, State};
 
 fn send(node: &mut Node, message: ToDrive) {
     node.handle_frame(&message.encode(Addresses::FACTORY));
@@ -19,14 +19,14 @@ fn drain(node: &mut Node) {
 fn node() -> Node {
     let mut node = Bench::new().node;
     node.poll(0);
-    node.handle_scope(Report::State(State::Done, 9));
+    node.handle_scope(ScopeReply::State(State::Done, 9));
     send(&mut node, ToDrive::DownloadScope);
     node.poll_scope();
     node
 }
 
-fn block(words: [u16; 3]) -> Report {
-    Report::Block(Block { address: 0, words, last: true })
+fn block(words: [u16; 3]) -> ScopeReply {
+    ScopeReply::Block(Block { address: 0, words, last: true })
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn what_waits_tells_nodes_apart() {
         }),
         ("a word less", 1, &|_| {}, &less),
         ("a measurement less", 2, &|_| {}, &less),
-        ("what the scope does", 0, &|_| {}, &|node| node.handle_scope(Report::State(State::Idle, 0))),
+        ("what the scope does", 0, &|_| {}, &|node| node.handle_scope(ScopeReply::State(State::Idle, 0))),
         ("a block of the scope", 0, &|node| node.handle_scope(block([1, 2, 3])), &|node| {
             node.handle_scope(block([1, 2, 4]));
         }),

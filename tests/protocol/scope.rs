@@ -8,9 +8,7 @@ use narx_core::dictionary::number;
 use narx_core::master::Request;
 use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
-use narx_core::scope::{
-    Block, Refusal, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState,
-};
+use narx_core::scope::{Block, Refusal, SIGNALS_A_TICK, ScopeReply, ScopeTask, Setup, State as ScopeState};
 use narx_core::scope::{Threshold, Trigger};
 use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::Mode;
@@ -429,10 +427,10 @@ fn triggers_that_come_too_early() {
             let pulse = (10..15).contains(&age) || (80..85).contains(&age);
             let samples = Samples { tick, bus_voltage: if pulse { 1_230 } else { 0 }, ..Samples::default() };
             if age == 0 {
-                scope.handle(ScopeRequest::Arm(setup(trigger)));
+                scope.handle(ScopeTask::Arm(setup(trigger)));
             }
             if age == 300 {
-                scope.handle(ScopeRequest::Read);
+                scope.handle(ScopeTask::Read);
             }
             drive.step(&samples);
             scope.step(&drive, &samples);
@@ -440,7 +438,7 @@ fn triggers_that_come_too_early() {
                 begun = Some(age);
             }
             while let Some(report) = scope.poll() {
-                let Report::Block(block) = report else { continue };
+                let ScopeReply::Block(block) = report else { continue };
                 record.extend(block.words.map(|word| word as i16));
             }
         }
@@ -493,7 +491,7 @@ proptest! {
     fn whatever_is_asked(
         small in any::<bool>(),
         requests in prop::collection::vec((0..300_u16, prop_oneof![
-            setups().prop_map(ScopeRequest::Arm), Just(ScopeRequest::Force), Just(ScopeRequest::Read)
+            setups().prop_map(ScopeTask::Arm), Just(ScopeTask::Force), Just(ScopeTask::Read)
         ]), 1..12),
     ) {
         let (mut scope, memory) = if small { (Pair::new::<7>(), 7_usize) } else { (Pair::new::<200>(), 200) };
@@ -501,14 +499,14 @@ proptest! {
         let (mut read, mut reading) = (Vec::new(), false);
         for (wait, request) in requests {
             let busy = matches!(scope.state(), ScopeState::Armed | ScopeState::Recording);
-            if let ScopeRequest::Arm(setup) = &request
+            if let ScopeTask::Arm(setup) = &request
                 && !busy
             {
                 let asked = setup.signals.len() * usize::from(setup.samples);
                 length = if asked <= memory { asked } else { 0 };
                 reading = false;
             }
-            if request == ScopeRequest::Read && scope.state() == ScopeState::Done {
+            if request == ScopeTask::Read && scope.state() == ScopeState::Done {
                 (reading, read) = (true, Vec::new());
             }
             scope.handle(request);
@@ -519,11 +517,11 @@ proptest! {
                 tick += 1;
                 let Some(report) = scope.poll() else { continue };
                 match report {
-                    Report::State(state, words) => {
+                    ScopeReply::State(state, words) => {
                         prop_assert_eq!(state, scope.state());
                         prop_assert_eq!(usize::from(words), if state == ScopeState::Done { length } else { 0 });
                     }
-                    Report::Block(Block { address, words, last }) => {
+                    ScopeReply::Block(Block { address, words, last }) => {
                         prop_assert!(reading);
                         prop_assert_eq!(usize::from(address), read.len());
                         read.extend(words);
@@ -532,7 +530,7 @@ proptest! {
                             reading = false;
                         }
                     }
-                    Report::Room(_) => {}
+                    ScopeReply::Room(_) => {}
                 }
             }
             prop_assert!(length > 0 || scope.state() == ScopeState::Idle);

@@ -4,7 +4,7 @@ use narx_core::dictionary::number;
 use narx_core::master::{Answer, Chunk, Download, Request};
 use narx_core::motor::signal::Signal;
 use narx_core::motor::{Drive, Event, Samples, State};
-use narx_core::scope::{Keeper, Memory, Report, Request as ScopeRequest, Scope, State as ScopeState};
+use narx_core::scope::{Keeper, Memory, Scope, ScopeReply, ScopeTask, State as ScopeState};
 use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
@@ -111,11 +111,11 @@ impl Pair {
     pub(crate) fn new<const N: usize>() -> Self {
         let memory: Box<Memory> = Box::new(Memory::<[u16; N]>::new());
         let mut keeper = Keeper::new(memory);
-        assert_eq!(keeper.poll_report(), Some(Report::Room(N as u16)));
+        assert_eq!(keeper.poll_report(), Some(ScopeReply::Room(N as u16)));
         Self { scope: Scope::default(), keeper }
     }
 
-    pub(crate) fn handle(&mut self, request: ScopeRequest) {
+    pub(crate) fn handle(&mut self, request: ScopeTask) {
         self.exchange();
         self.keeper.handle(request);
         if let Some(order) = self.keeper.poll_order() {
@@ -139,7 +139,7 @@ impl Pair {
     }
 
     /// Report that the node would get.
-    pub(crate) fn poll(&mut self) -> Option<Report> {
+    pub(crate) fn poll(&mut self) -> Option<ScopeReply> {
         self.exchange();
         self.keeper.poll_report()
     }

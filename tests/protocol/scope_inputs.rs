@@ -8,11 +8,11 @@ use narx_core::dictionary::number;
 use narx_core::motor::machine::event::{Command, Health, SlowMeasurements};
 use narx_core::motor::signal::Signal;
 use narx_core::motor::{
-    Board, Coefficients, CurrentMode, Drive, Edge, EdgeSource, Event, Lines, Request as Mode, SampleMode,
-    Samples, State,
+    Board, Coefficients, CurrentMode, Drive, Edge, EdgeSource, Event, Lines, RunRequest, SampleMode, Samples,
+    State,
 };
 use narx_core::recording::{LAYOUT_VERSION, Recording, Scoped, ScopedError, Tick, record_scoped, replay};
-use narx_core::scope::{Inputs, MalformedInputs, Report, Request, Setup, State as ScopeState};
+use narx_core::scope::{Inputs, MalformedInputs, ScopeReply, ScopeTask, Setup, State as ScopeState};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::Mode as ControlMode;
 use narx_sim::plant::Injection;
@@ -204,13 +204,13 @@ fn damaged_words_are_refused() {
 
 /// Reads the record of a scope that is done.
 fn read(pair: &mut Pair) -> Vec<u16> {
-    pair.handle(Request::Read);
+    pair.handle(ScopeTask::Read);
     let (mut words, mut length) = (Vec::new(), 0);
     while let Some(report) = pair.poll() {
         match report {
-            Report::State(_, words) => length = usize::from(words),
-            Report::Block(block) => words.extend(block.words),
-            Report::Room(_) => {}
+            ScopeReply::State(_, words) => length = usize::from(words),
+            ScopeReply::Block(block) => words.extend(block.words),
+            ScopeReply::Room(_) => {}
         }
     }
     assert_eq!(words.len(), length.next_multiple_of(3));
@@ -225,10 +225,10 @@ fn a_memory_too_small_for_inputs_records_signals_alone() {
     {
         let signals =
             Setup { signals: [Signal::State].into_iter().collect(), samples: 5, ..Setup::default() };
-        pair.handle(Request::Arm(Setup { inputs: true, ..signals.clone() }));
+        pair.handle(ScopeTask::Arm(Setup { inputs: true, ..signals.clone() }));
         assert_eq!(pair.state(), inputs);
         if inputs == ScopeState::Idle {
-            pair.handle(Request::Arm(signals));
+            pair.handle(ScopeTask::Arm(signals));
             assert_eq!(pair.state(), ScopeState::Armed);
         }
     }
@@ -240,10 +240,10 @@ fn a_memory_too_small_for_inputs_records_signals_alone() {
 fn a_recording_has_at_least_one_tick() {
     let mut pair = Pair::new::<600>();
     let signals = Setup { signals: [Signal::State].into_iter().collect(), ..Setup::default() };
-    pair.handle(Request::Arm(signals.clone()));
+    pair.handle(ScopeTask::Arm(signals.clone()));
     assert_eq!(pair.state(), ScopeState::Idle);
-    pair.handle(Request::Arm(Setup { inputs: true, tick_rate: 10_000, ..signals }));
-    pair.handle(Request::Force);
+    pair.handle(ScopeTask::Arm(Setup { inputs: true, tick_rate: 10_000, ..signals }));
+    pair.handle(ScopeTask::Force);
     let mut drive = Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap());
     for tick in 0..100 {
         let samples = Samples { tick, ..Samples::default() };
@@ -292,8 +292,12 @@ fn samples() -> impl Strategy<Value = Samples> {
 
 fn events() -> impl Strategy<Value = Option<Event>> {
     let speed = any::<i32>().prop_map(ElectricalSpeed::from_bits);
-    let request =
-        prop_oneof![Just(Mode::Standby), Just(Mode::Drive), Just(Mode::Reverse), Just(Mode::Shutdown)];
+    let request = prop_oneof![
+        Just(RunRequest::Standby),
+        Just(RunRequest::Drive),
+        Just(RunRequest::Reverse),
+        Just(RunRequest::Shutdown)
+    ];
     let slow = any::<(i32, i32)>().prop_map(|(temperature, pressure)| SlowMeasurements {
         temperature: Celsius::from_bits(temperature),
         pressure: Volts::from_bits(pressure),
@@ -319,7 +323,7 @@ proptest! {
         let mut pair = Pair::new::<600>();
         let mut drive = Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap());
         let setup = Setup { inputs: true, samples: 10, before: 5, tick_rate: 20_000, ..Setup::default() };
-        pair.handle(Request::Arm(setup));
+        pair.handle(ScopeTask::Arm(setup));
         let (mut lived, mut tick) = (Vec::new(), 0_u64);
         for (place, (event, mut samples)) in given.into_iter().cycle().take(900).enumerate() {
             if pair.state() == ScopeState::Done {
@@ -328,7 +332,7 @@ proptest! {
             tick = tick.wrapping_add(samples.tick);
             samples.tick = tick;
             if place == end {
-                pair.handle(Request::Force);
+                pair.handle(ScopeTask::Force);
             }
             if let Some(event) = &event {
                 pair.handle_event(event);

@@ -4,7 +4,7 @@
 use crate::bench::Bench;
 use narx_core::bus::narmotion::{FromDrive, ParameterStatus, ToDrive};
 use narx_core::dictionary::number;
-use narx_core::scope::{Block, Report, Request, State};
+use narx_core::scope::{Block, ScopeReply, ScopeTask, State};
 
 /// Arming and forcing are one message: the second of two does not overtake the first.
 #[test]
@@ -14,10 +14,10 @@ fn nothing_is_forced_before_the_scope_is_armed() {
     bench.send(ToDrive::TriggerScope);
     bench.send(ToDrive::TriggerScope);
     assert_eq!(bench.refused(), 1);
-    assert!(matches!(bench.node.poll_scope(), Some(Request::Arm(_))));
-    bench.node.handle_scope(Report::State(State::Armed, 0));
+    assert!(matches!(bench.node.poll_scope(), Some(ScopeTask::Arm(_))));
+    bench.node.handle_scope(ScopeReply::State(State::Armed, 0));
     bench.send(ToDrive::TriggerScope);
-    assert_eq!((bench.node.poll_scope(), bench.node.poll_scope()), (Some(Request::Force), None));
+    assert_eq!((bench.node.poll_scope(), bench.node.poll_scope()), (Some(ScopeTask::Force), None));
     assert_eq!(bench.refused(), 1);
 }
 
@@ -37,10 +37,10 @@ fn the_sampling_time_of_inputs_is_a_tick() {
 #[test]
 fn a_block_without_room_is_told_again() {
     let mut bench = Bench::new();
-    bench.node.handle_scope(Report::State(State::Done, 60));
+    bench.node.handle_scope(ScopeReply::State(State::Done, 60));
     bench.send(ToDrive::DownloadScope);
-    assert_eq!(bench.node.poll_scope(), Some(Request::Read));
-    let block = |address| Report::Block(Block { address, words: [address; 3], last: address == 57 });
+    assert_eq!(bench.node.poll_scope(), Some(ScopeTask::Read));
+    let block = |address| ScopeReply::Block(Block { address, words: [address; 3], last: address == 57 });
     let mut next = 0;
     while bench.node.takes_scope_report() {
         bench.node.handle_scope(block(next));

@@ -9,7 +9,7 @@ use narx_core::bus::narmotion::update::{
 };
 use narx_core::bus::narmotion::{FromDrive, ToDrive};
 use narx_core::node::Action;
-use narx_core::node::update::{Condition, PIECE, Report, Request, Slots};
+use narx_core::node::update::{Condition, PIECE, SlotReply, SlotTask, Slots};
 
 const HARDWARE: u32 = 0x4E58_0002;
 const RUNNING: ImageVersion = ImageVersion { major: 3, minor: 5, patch: 7, build: 99 };
@@ -49,7 +49,7 @@ impl Drive {
         let mut drive = Self::new(SLOTS.condition);
         drive.ask(begin(LENGTH));
         drive.pass(SETTLED);
-        assert_eq!(drive.serve(), [Request::Clear, Request::Erase { offset: 0 }]);
+        assert_eq!(drive.serve(), [SlotTask::Clear, SlotTask::Erase { offset: 0 }]);
         drive
     }
 
@@ -70,10 +70,11 @@ impl Drive {
 
     /// Answers the requests to the slot until there are no more; returns them. A checksum that is read back
     /// is right.
-    fn serve(&mut self) -> Vec<Request> {
+    fn serve(&mut self) -> Vec<SlotTask> {
         std::iter::from_fn(|| {
             let request = self.bench.node.poll_update()?;
-            let report = if let Request::Sum { .. } = request { Report::Sum(CRC) } else { Report::Done };
+            let report =
+                if let SlotTask::Sum { .. } = request { SlotReply::Sum(CRC) } else { SlotReply::Done };
             self.bench.node.handle_update(report);
             Some(request)
         })
@@ -81,7 +82,7 @@ impl Drive {
     }
 
     /// Reports about the update since the last call.
-    fn heard(&mut self) -> Vec<UpdateStatus> {
+    fn received(&mut self) -> Vec<UpdateStatus> {
         let status = |message| match message {
             FromDrive::Update(UpdateAnswer::Status(status)) => Some(status),
             _ => None,
@@ -90,9 +91,9 @@ impl Drive {
     }
 
     fn ask(&mut self, request: UpdateRequest) -> (UpdateState, UpdateCode) {
-        self.heard();
+        self.received();
         self.bench.send(ToDrive::Update(request));
-        match self.heard()[..] {
+        match self.received()[..] {
             [UpdateStatus { state, code, .. }] => (state, code),
             ref other => panic!("{request:?}: {other:?}"),
         }
@@ -100,15 +101,15 @@ impl Drive {
 
     /// Sends a block; returns the answers.
     fn send(&mut self, block: u16) -> Vec<UpdateStatus> {
-        self.heard();
+        self.received();
         self.bench.send(ToDrive::Update(UpdateRequest::Data { block, data: [block as u8; BLOCK] }));
-        self.heard()
+        self.received()
     }
 
     fn status(&mut self) -> UpdateStatus {
-        self.heard();
+        self.received();
         self.bench.send(ToDrive::Update(UpdateRequest::Status));
-        self.heard()[0]
+        self.received()[0]
     }
 }
 
@@ -145,14 +146,14 @@ fn a_block_without_room_waits_for_the_slot() {
     }
     let full = u32::from(WINDOW) * BLOCK as u32;
     assert_eq!(drive.send(WINDOW), [at(Sequence, 0, full)]);
-    let Some(Request::Write { offset: 0, data }) = drive.bench.node.poll_update() else {
+    let Some(SlotTask::Write { offset: 0, data }) = drive.bench.node.poll_update() else {
         panic!("the first piece is due")
     };
     let written: Vec<u8> = (0..PIECE).map(|place| (place / BLOCK) as u8).collect();
     assert_eq!(data, written[..]);
     assert_eq!(drive.bench.node.poll_update(), None, "one request at a time");
-    drive.bench.node.handle_update(Report::Done);
-    assert_eq!(drive.heard(), [at(Done, PIECE_BLOCKS, full)], "there is room again");
+    drive.bench.node.handle_update(SlotReply::Done);
+    assert_eq!(drive.received(), [at(Done, PIECE_BLOCKS, full)], "there is room again");
     assert_eq!(drive.send(WINDOW), []);
     assert_eq!(drive.status(), at(Done, PIECE_BLOCKS - 1, full + BLOCK as u32));
 }
@@ -164,7 +165,7 @@ fn a_block_behind_the_end_is_none() {
     assert_eq!((drive.send(BLOCKS), drive.send(BLOCKS + 1)), (vec![], vec![]));
     assert_eq!(drive.serve(), [], "all that there is is written");
     assert_eq!(drive.ask(END), (Verifying, Done));
-    assert_eq!(drive.serve().last(), Some(&Request::Mark { length: LENGTH }));
+    assert_eq!(drive.serve().last(), Some(&SlotTask::Mark { length: LENGTH }));
 }
 
 /// The last pieces are written before anything is read back; the master gets no report of each of them.
@@ -179,7 +180,7 @@ fn an_end_waits_for_what_is_not_written() {
     }
     assert_eq!(drive.ask(END), (Verifying, Done));
     let requests = drive.serve();
-    let [writes @ .., Request::Sum { offset: 0, length: LENGTH }, Request::Mark { length: LENGTH }] =
+    let [writes @ .., SlotTask::Sum { offset: 0, length: LENGTH }, SlotTask::Mark { length: LENGTH }] =
         &requests[..]
     else {
         panic!("{requests:?}")
@@ -188,7 +189,7 @@ fn an_end_waits_for_what_is_not_written() {
         .iter()
         .map(|request| match request {
             // Whole pieces, and the last one filled up to 32 bytes.
-            Request::Write { offset, data } => {
+            SlotTask::Write { offset, data } => {
                 assert_eq!((offset % PIECE as u32, data.len() % 32), (0, 0));
                 data.len().min((LENGTH - offset) as usize)
             }
@@ -196,7 +197,7 @@ fn an_end_waits_for_what_is_not_written() {
         })
         .sum();
     assert!(writes.len() >= 2 && bytes > PIECE, "{bytes} bytes in {} pieces", writes.len());
-    let told: Vec<_> = drive.heard().iter().map(|status| (status.state, status.code)).collect();
+    let told: Vec<_> = drive.received().iter().map(|status| (status.state, status.code)).collect();
     assert_eq!(told, [(Marked, Done)]);
 }
 
@@ -207,11 +208,11 @@ fn a_second_beginning() {
     let mut erasing = Drive::new(SLOTS.condition);
     erasing.ask(begin(LENGTH));
     erasing.pass(SETTLED);
-    assert_eq!(erasing.bench.node.poll_update(), Some(Request::Clear));
-    erasing.bench.node.handle_update(Report::Done);
+    assert_eq!(erasing.bench.node.poll_update(), Some(SlotTask::Clear));
+    erasing.bench.node.handle_update(SlotReply::Done);
     assert_eq!(erasing.ask(begin(LENGTH)), (Erasing, Done));
-    assert_eq!(erasing.bench.node.poll_update(), Some(Request::Erase { offset: 0 }), "it goes on");
-    erasing.bench.node.handle_update(Report::Done);
+    assert_eq!(erasing.bench.node.poll_update(), Some(SlotTask::Erase { offset: 0 }), "it goes on");
+    erasing.bench.node.handle_update(SlotReply::Done);
     assert_eq!(erasing.ask(begin(LENGTH)), (Receiving, Done), "nothing has come yet");
 
     let mut begun = Drive::receiving();
@@ -222,7 +223,7 @@ fn a_second_beginning() {
         assert_eq!(drive.ask(begin(length)), (Erasing, Done));
         assert_eq!(drive.serve(), [], "not before a start that was on its way is seen");
         drive.pass(SETTLED);
-        assert_eq!(drive.serve(), [Request::Clear, Request::Erase { offset: 0 }]);
+        assert_eq!(drive.serve(), [SlotTask::Clear, SlotTask::Erase { offset: 0 }]);
         assert_eq!(drive.status(), at(Done, WINDOW, 0));
     }
     let mut verifying = Drive::complete();
@@ -245,25 +246,27 @@ fn a_second_end_is_of_the_same_image() {
 fn an_abort_comes_too_late_for_a_mark() {
     let mut drive = Drive::complete();
     drive.ask(END);
-    assert_eq!(drive.bench.node.poll_update(), Some(Request::Sum { offset: 0, length: LENGTH }));
-    drive.bench.node.handle_update(Report::Sum(CRC));
-    assert_eq!(drive.bench.node.poll_update(), Some(Request::Mark { length: LENGTH }));
+    assert_eq!(drive.bench.node.poll_update(), Some(SlotTask::Sum { offset: 0, length: LENGTH }));
+    drive.bench.node.handle_update(SlotReply::Sum(CRC));
+    assert_eq!(drive.bench.node.poll_update(), Some(SlotTask::Mark { length: LENGTH }));
     assert_eq!(drive.ask(UpdateRequest::Abort), (Verifying, NotNow));
-    drive.bench.node.handle_update(Report::Done);
+    drive.bench.node.handle_update(SlotReply::Done);
     assert_eq!(drive.ask(UpdateRequest::Abort), (Marked, Done));
-    assert_eq!(drive.serve(), [Request::Clear]);
+    assert_eq!(drive.serve(), [SlotTask::Clear]);
     assert_eq!(drive.ask(UpdateRequest::Status), (Idle, Aborted));
 }
 
 /// A slot that gives another answer than the requested one, or a wrong checksum, is not marked.
 #[test]
 fn what_cannot_be_read_back_is_not_marked() {
-    for (report, code) in
-        [(Report::Done, Flash), (Report::Failed(Flash), Flash), (Report::Sum(!CRC), UpdateCode::Checksum)]
-    {
+    for (report, code) in [
+        (SlotReply::Done, Flash),
+        (SlotReply::Failed(Flash), Flash),
+        (SlotReply::Sum(!CRC), UpdateCode::Checksum),
+    ] {
         let mut drive = Drive::complete();
         drive.ask(END);
-        assert!(matches!(drive.bench.node.poll_update(), Some(Request::Sum { .. })));
+        assert!(matches!(drive.bench.node.poll_update(), Some(SlotTask::Sum { .. })));
         drive.bench.node.handle_update(report);
         assert_eq!((drive.serve(), drive.ask(UpdateRequest::Status)), (vec![], (Idle, code)), "{report:?}");
     }
@@ -273,21 +276,22 @@ fn what_cannot_be_read_back_is_not_marked() {
 #[test]
 fn a_confirmation_under_way_is_not_cut_off() {
     const MINUTE: u64 = 600_000;
-    for (report, end, action) in
-        [(Report::Done, (Idle, Done), None), (Report::Failed(Flash), (Trial, Done), Some(Action::Reboot))]
-    {
+    for (report, end, action) in [
+        (SlotReply::Done, (Idle, Done), None),
+        (SlotReply::Failed(Flash), (Trial, Done), Some(Action::Reboot)),
+    ] {
         let mut drive = Drive::new(Condition::Trial);
         assert_eq!(drive.ask(UpdateRequest::Confirm), (Trial, Done));
-        assert_eq!(drive.bench.node.poll_update(), Some(Request::Confirm));
+        assert_eq!(drive.bench.node.poll_update(), Some(SlotTask::Confirm));
         let act = |drive: &mut Drive| {
             drive.pass(MINUTE);
-            drive.heard();
+            drive.received();
             drive.bench.node.poll_action()
         };
         assert_eq!(act(&mut drive), None, "{report:?}");
         drive.bench.node.handle_update(report);
         let told = if action.is_some() { Flash } else { Done };
-        assert_eq!(drive.heard().last().map(|status| status.code), Some(told));
+        assert_eq!(drive.received().last().map(|status| status.code), Some(told));
         assert_eq!((drive.ask(UpdateRequest::Status), act(&mut drive)), (end, action), "{report:?}");
     }
 }
@@ -320,7 +324,7 @@ fn the_running_image_is_the_devices_identity() {
 fn a_board_without_a_bootloader_is_not_programmed() {
     let mut bench = Bench::new();
     let before = bench.node.clone();
-    for report in [Report::Done, Report::Sum(0), Report::Failed(Flash)] {
+    for report in [SlotReply::Done, SlotReply::Sum(0), SlotReply::Failed(Flash)] {
         bench.node.handle_update(report);
     }
     assert_eq!((bench.node.poll_update(), &bench.node), (None, &before));

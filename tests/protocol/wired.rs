@@ -18,7 +18,7 @@ pub(crate) struct Wired {
     /// Motor mode that is requested repeatedly; without it the master is silent.
     pub(crate) asks: Option<MotorMode>,
     /// Frames that have passed on the bus, with the end of each, ns.
-    pub(crate) heard: Vec<(u64, Frame)>,
+    pub(crate) received: Vec<(u64, Frame)>,
 }
 
 impl Wired {
@@ -48,7 +48,7 @@ impl Wired {
     fn new(plant: PlantConfig, parameters: Parameters) -> Self {
         let config = BenchConfig { plant, parameters, label: String::new(), trace: false };
         let bench = Bench::new(&config).without_recording();
-        let mut wired = Self { bench, asks: Some(MotorMode::Standby), heard: Vec::new() };
+        let mut wired = Self { bench, asks: Some(MotorMode::Standby), received: Vec::new() };
         wired.run(0.7);
         wired
     }
@@ -61,8 +61,8 @@ impl Wired {
             let _ = self.bench.send(ToDrive::RequestWord(RequestWord { mode }).encode(Addresses::FACTORY));
         }
         self.bench.step();
-        while let Some(received) = self.bench.overhear() {
-            self.heard.push((received.time_ns, received.frame));
+        while let Some(received) = self.bench.monitor() {
+            self.received.push((received.time_ns, received.frame));
         }
         while self.bench.receive().is_some() {}
     }
@@ -77,7 +77,7 @@ impl Wired {
 
     /// Messages that have arrived since the last call.
     pub(crate) fn take_messages(&mut self) -> Vec<FromDrive> {
-        let frames = std::mem::take(&mut self.heard);
+        let frames = std::mem::take(&mut self.received);
         frames
             .iter()
             .filter_map(|(_, frame)| FromDrive::decode(frame).ok())
@@ -96,7 +96,7 @@ impl Wired {
     }
 
     fn answer(&mut self, wanted: u16) -> (i32, ParameterStatus) {
-        self.heard.clear();
+        self.received.clear();
         for _ in 0..200 {
             self.step();
             for message in self.take_messages() {
@@ -112,10 +112,10 @@ impl Wired {
 
     /// Value of a broadcast signal in its unit, two readings and a broadcast from now.
     pub(crate) fn signal(&mut self, name: &str) -> f64 {
-        self.heard.clear();
+        self.received.clear();
         self.run(0.075);
         let signal = SIGNALS.iter().find(|signal| signal.name == name).unwrap();
-        let words = self.heard.iter().rev().find_map(|(_, frame)| {
+        let words = self.received.iter().rev().find_map(|(_, frame)| {
             let (id, words) = Words::of(frame).ok()?;
             (id.opcode == signal.opcode).then_some(words)
         });

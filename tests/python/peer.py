@@ -49,7 +49,7 @@ class Peer:
         for at in range(0, len(words), 3):
             self.say(opcode, at, *words[at : at + 3])
 
-    def hear(self, message: can.Message) -> None:
+    def receive(self, message: can.Message) -> None:
         kind, opcode = message.arbitration_id >> 9 & 3, message.arbitration_id & 0x1FF
         words = [int.from_bytes(message.data[at : at + 2], "big") for at in range(0, 8, 2)]
         match kind, opcode:
@@ -114,7 +114,7 @@ def peer(channel: str, description: str | None, **options: Any) -> Iterator[tupl
             while not ended.is_set():
                 message = own.recv(0.05)
                 if message is not None:
-                    drive.hear(message)
+                    drive.receive(message)
 
         thread = threading.Thread(target=run, daemon=True)
         thread.start()

@@ -30,8 +30,8 @@ def test_time_passes_by_receiving(bus: can.BusABC) -> None:
     assert bus.recv(0.25) is None and bus.time == pytest.approx(0.25)
     bus.set_filters(None)
     bus.send(STANDBY)
-    heard = [bus.recv(1.0) for _ in range(50)]
-    stamps = [message.timestamp for message in heard if message is not None]
+    received = [bus.recv(1.0) for _ in range(50)]
+    stamps = [message.timestamp for message in received if message is not None]
     assert len(stamps) == 50 and stamps == sorted(stamps) and stamps[-1] <= bus.time < 10.0
 
 
@@ -56,11 +56,11 @@ def test_a_calibration_is_waited_for_on_a_bus_too(bus: can.BusABC) -> None:
 def test_clients_of_a_channel_share_one_drive(bus: can.BusABC) -> None:
     with can.Bus(interface="narx", channel="test_clients_of_a_channel_share_one_drive") as other:
         bus.send(STANDBY)
-        heard = other.recv(1.0)
-        assert heard is not None
-        while heard is not None and heard.arbitration_id != STANDBY.arbitration_id:
-            heard = other.recv(1.0)
-        assert heard is not None and bytes(heard.data) == bytes(8)
+        received = other.recv(1.0)
+        assert received is not None
+        while received is not None and received.arbitration_id != STANDBY.arbitration_id:
+            received = other.recv(1.0)
+        assert received is not None and bytes(received.data) == bytes(8)
         # A client does not receive its own frames.
         own = [bus.recv(0.0) for _ in range(200)]
         assert all(message is None or message.arbitration_id != STANDBY.arbitration_id for message in own)
@@ -113,7 +113,7 @@ def test_connect_operates_and_lets_go() -> None:
 
 def test_nobody_answers() -> None:
     begin = time.monotonic()
-    with pytest.raises(narx.NoAnswerError, match="no drive 170 was heard on virtual nobody within 0.5 s"):
+    with pytest.raises(narx.NoAnswerError, match="no frame of drive 170 was received on virtual nobody within 0.5 s"):
         narx.connect("virtual", "nobody", timeout=0.5)
     assert time.monotonic() - begin < 5.0
 
@@ -133,7 +133,7 @@ def test_a_silent_master_sends_nothing() -> None:
         assert tap.recv(0.2) is None
 
 
-def test_a_drive_on_the_same_machine_is_heard() -> None:
+def test_a_drive_on_the_same_machine_is_received() -> None:
     """Frames of another program on the same machine are accepted.
 
     Drivers mark such frames like own ones, for example on a `vcan`.

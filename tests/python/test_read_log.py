@@ -184,14 +184,14 @@ def test_speed_is_what_the_control_mode_uses(tmp_path: Path) -> None:
     modes = {"off": "0000", "sensorless": "0201", "hall": "0301"}
     lines: list[str] = []
 
-    def hear(opcode: str, data: str) -> None:
+    def receive(opcode: str, data: str) -> None:
         lines.append(f"({len(lines)}.0) can0 {narx_id()}{opcode}#{data.ljust(16, '0')}\n")
 
     for mode in ("", "off", "sensorless", "hall", "sensorless"):
         if mode:
-            hear("03", "0000" + modes[mode])
-        hear("CD", f"{5000 + len(lines):04X}")
-        hear("C9", f"{1000 + len(lines):04X}")
+            receive("03", "0000" + modes[mode])
+        receive("CD", f"{5000 + len(lines):04X}")
+        receive("C9", f"{1000 + len(lines):04X}")
     path.write_text("".join(lines))
     speed = narx.read_log(path)["speed"]
     assert speed.values.tolist() == [1001, 1004, 1007, 5009, 1013] and speed.time.tolist() == [1, 4, 7, 9, 13]

@@ -129,7 +129,7 @@ def test_the_experiment_is_what_a_user_would_run(inside: narx.Sweep) -> None:
         seed=variant.seed,
     )  # fmt: skip
     bench.drive.start(1000, wait=False)
-    # The drive obeys the start after its self-tests.
+    # The drive accepts the start after its self-tests.
     trace = bench.run(0.9)
     row = inside.to_dict()[3]
     assert f"{bench.digest:016x}" == row["digest"]

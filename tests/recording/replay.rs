@@ -1,7 +1,7 @@
 //! Tests of replay against a stand-in for the drive that answers with its inputs so far.
 
 use super::support::{Noise, turning};
-use narx_core::motor::machine::event::{Command, Event, Request, Status};
+use narx_core::motor::machine::event::{Command, Event, RunRequest, Status};
 use narx_core::motor::{Board, Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_until,
@@ -88,7 +88,7 @@ fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
         let event = match k {
             8_000 => Some(Event::Coefficients(coefficients)),
             _ if k % 500 != 0 => None,
-            5_500.. => Some(Event::Command(Command { request: Request::Drive, speed })),
+            5_500.. => Some(Event::Command(Command { request: RunRequest::Drive, speed })),
             _ => Some(Event::Command(Command::default())),
         };
         if let Some(event) = event.clone() {

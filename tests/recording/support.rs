@@ -2,7 +2,7 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::motor::guard::fault::FaultWord;
-use narx_core::motor::machine::event::{Command, Event, Health, Request, SlowMeasurements};
+use narx_core::motor::machine::event::{Command, Event, Health, RunRequest, SlowMeasurements};
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, PwmCommand, SampleMode, Samples};
 use narx_core::recording::{BEHAVIOUR_VERSION, Header, LAYOUT_VERSION, Recorder, Tick};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
@@ -44,10 +44,10 @@ pub(crate) fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         (0..4u8, any::<i32>()).prop_map(|(request, speed)| {
             let request = match request {
-                0 => Request::Standby,
-                1 => Request::Drive,
-                2 => Request::Reverse,
-                _ => Request::Shutdown,
+                0 => RunRequest::Standby,
+                1 => RunRequest::Drive,
+                2 => RunRequest::Reverse,
+                _ => RunRequest::Shutdown,
             };
             Event::Command(Command { request, speed: ElectricalSpeed::from_bits(speed) })
         }),

@@ -4,7 +4,7 @@
 use crate::support::set;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::guard::fault::FaultWord;
-use narx_core::storage::{CodeFlash, Memory, Opened, Part, Report, Request};
+use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Memory, Opened, Part};
 use narx_sim::flash::{Memory as _, Sparse, Tear};
 use narx_sim::internal_flash::{InternalFlash, WORD};
 use proptest::prelude::*;
@@ -20,21 +20,21 @@ fn blank() -> CodeFlash<Chip> {
 }
 
 /// Executes a request to its end, in no more steps than there are places to try.
-fn execute(storage: &mut CodeFlash<Chip>, request: Request) -> Report {
+fn execute(storage: &mut CodeFlash<Chip>, request: FlashTask) -> FlashReply {
     storage.begin(request);
     (0..3 * PAGES).find_map(|_| storage.step()).expect("a request ends")
 }
 
 pub(crate) fn open(storage: &mut CodeFlash<Chip>) -> Opened {
-    match execute(storage, Request::Open) {
-        Report::Opened(opened) => opened,
+    match execute(storage, FlashTask::Open) {
+        FlashReply::Opened(opened) => opened,
         other => panic!("{other:?}"),
     }
 }
 
 pub(crate) fn store(storage: &mut CodeFlash<Chip>, parameters: &Parameters, part: Part) -> bool {
-    match execute(storage, Request::Store(parameters.clone(), part)) {
-        Report::Stored { done, .. } => done,
+    match execute(storage, FlashTask::Store(parameters.clone(), part)) {
+        FlashReply::Stored { done, .. } => done,
         other => panic!("{other:?}"),
     }
 }
@@ -121,10 +121,10 @@ fn there_is_no_log() {
     let mut storage = CodeFlash::new(worn(0));
     open(&mut storage);
     let before = bytes(storage.flash());
-    let refused = Report::Log { done: false, memory: Memory::default() };
-    assert_eq!(execute(&mut storage, Request::Erase), refused);
-    assert_eq!(execute(&mut storage, Request::Append(narx_core::storage::Entry::default())), refused);
-    assert_eq!(execute(&mut storage, Request::Read(0)), Report::Record(None));
+    let refused = FlashReply::Log { done: false, memory: Memory::default() };
+    assert_eq!(execute(&mut storage, FlashTask::Erase), refused);
+    assert_eq!(execute(&mut storage, FlashTask::Append(narx_core::storage::Entry::default())), refused);
+    assert_eq!(execute(&mut storage, FlashTask::Read(0)), FlashReply::Record(None));
     assert_eq!(bytes(storage.flash()), before);
 }
 
@@ -183,8 +183,8 @@ fn a_flash_of_the_wrong_size_is_absent() {
 /// Faults of a first power-up on a blank flash with pages of this size.
 fn on_pages_of<const BYTES: usize>() -> FaultWord {
     let mut storage = CodeFlash::new(InternalFlash::<Sparse, BYTES>::new(Sparse::new(), 4096, 1));
-    storage.begin(Request::Open);
-    let Some(Report::Opened(opened)) = (0..3).find_map(|_| storage.step()) else { panic!() };
+    storage.begin(FlashTask::Open);
+    let Some(FlashReply::Opened(opened)) = (0..3).find_map(|_| storage.step()) else { panic!() };
     opened.faults
 }
 

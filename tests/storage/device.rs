@@ -8,7 +8,7 @@ use narx_core::dictionary::number;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
 use narx_core::node::{Action, Identity, Node};
-use narx_core::storage::{Record, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Record, Storage};
 
 pub(crate) struct Device {
     pub(crate) node: Node,
@@ -17,7 +17,7 @@ pub(crate) struct Device {
     pub(crate) now: u64,
     /// Holds back reports of the flash, as if it never answered.
     pub(crate) hold: bool,
-    held: Option<Report>,
+    held: Option<FlashReply>,
     /// Number of stores that the drive has requested.
     pub(crate) stores: u32,
     /// Download frames taken per tick.
@@ -109,7 +109,7 @@ impl Device {
     fn serve(&mut self) {
         if let Some(request) = self.node.poll_storage() {
             assert!(self.held.is_none(), "one request at a time");
-            self.stores += u32::from(matches!(request, Request::Store(..)));
+            self.stores += u32::from(matches!(request, FlashTask::Store(..)));
             self.held = Some(now(self.storage.execute(request)));
         }
         if !self.hold

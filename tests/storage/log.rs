@@ -3,7 +3,7 @@
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small};
 use embedded_storage_async::nor_flash::NorFlash;
 use narx_core::motor::guard::fault::FaultWord;
-use narx_core::storage::{Entry, Memory, Record, Report, Request, Storage};
+use narx_core::storage::{Entry, FlashReply, FlashTask, Memory, Record, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256, Tear};
 use proptest::prelude::*;
 
@@ -12,20 +12,20 @@ fn entry(value: i32) -> Entry {
     Entry { time: value as u32, values: values.into_iter().collect() }
 }
 
-pub(crate) fn ask(storage: &mut Storage<Chip>, request: Request) -> (bool, Memory) {
+pub(crate) fn ask(storage: &mut Storage<Chip>, request: FlashTask) -> (bool, Memory) {
     match now(storage.execute(request)) {
-        Report::Log { done, memory } => (done, memory),
+        FlashReply::Log { done, memory } => (done, memory),
         other => panic!("{other:?}"),
     }
 }
 
 pub(crate) fn append(storage: &mut Storage<Chip>, value: i32) -> bool {
-    ask(storage, Request::Append(entry(value))).0
+    ask(storage, FlashTask::Append(entry(value))).0
 }
 
 fn read(storage: &mut Storage<Chip>, index: u32) -> Option<Record> {
-    match now(storage.execute(Request::Read(index))) {
-        Report::Record(record) => record,
+    match now(storage.execute(FlashTask::Read(index))) {
+        FlashReply::Record(record) => record,
         other => panic!("{other:?}"),
     }
 }
@@ -33,7 +33,7 @@ fn read(storage: &mut Storage<Chip>, index: u32) -> Option<Record> {
 /// Erases to the end; returns the number of steps.
 pub(crate) fn erase(storage: &mut Storage<Chip>) -> usize {
     for step in 0..10_000 {
-        let (done, memory) = ask(storage, Request::Erase);
+        let (done, memory) = ask(storage, FlashTask::Erase);
         assert!(done);
         if memory.erasing.is_none() {
             assert!(memory.is_erased());
@@ -203,7 +203,7 @@ fn every_cut_of_an_erase_is_finished_after_the_boot() {
             open(&mut storage);
             storage.flash().cut_after(cut, tear);
             while !storage.flash().is_off() {
-                let (done, memory) = ask(&mut storage, Request::Erase);
+                let (done, memory) = ask(&mut storage, FlashTask::Erase);
                 if done && memory.erasing.is_none() {
                     break;
                 }

@@ -10,7 +10,7 @@ use narx_core::dictionary::number;
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::Layout;
-use narx_core::storage::{Entry, Memory, Part, Request, Storage};
+use narx_core::storage::{Entry, FlashTask, Memory, Part, Storage};
 use narx_sim::flash::MBIT_256;
 
 /// A memory is full, erased, or neither; the status word and a master's request depend on this.
@@ -33,8 +33,8 @@ fn a_memory_is_full_or_erased_or_neither() {
 }
 
 /// An entry with this many values.
-fn entry_of(values: usize) -> Request {
-    Request::Append(Entry { time: 1, values: (0..values as u16).map(|what| (what, 7)).collect() })
+fn entry_of(values: usize) -> FlashTask {
+    FlashTask::Append(Entry { time: 1, values: (0..values as u16).map(|what| (what, 7)).collect() })
 }
 
 /// A full log, or one that is being erased, refuses an entry of any length: not a byte of the flash changes,
@@ -43,7 +43,7 @@ fn entry_of(values: usize) -> Request {
 fn a_log_that_takes_nothing_stays_as_it_is() {
     let mut full = filled(0, 121 * 16);
     let mut erasing = filled(0, 40);
-    assert!(ask(&mut erasing, Request::Erase).0);
+    assert!(ask(&mut erasing, FlashTask::Erase).0);
     for mut storage in [full.clone(), erasing] {
         let before = (storage.flash().counts(), ask(&mut storage, entry_of(2)).1);
         for values in [2, 3, 37] {
@@ -96,10 +96,10 @@ fn an_erase_goes_by_sectors() {
     open(&mut storage);
     assert!(store(&mut storage, &set(1), Part::Set));
     open(&mut storage);
-    assert_eq!(ask(&mut storage, Request::Erase).1.erasing, Some(0));
+    assert_eq!(ask(&mut storage, FlashTask::Erase).1.erasing, Some(0));
     for step in 1..=7782_u32.div_ceil(16) {
         let before = storage.flash().counts().erases;
-        let (done, memory) = ask(&mut storage, Request::Erase);
+        let (done, memory) = ask(&mut storage, FlashTask::Erase);
         let erases = storage.flash().counts().erases - before;
         let expected = match step {
             // 98 304 is in the second sector, and the last one has six subsectors.
@@ -110,7 +110,7 @@ fn an_erase_goes_by_sectors() {
         assert_eq!((done, erases), (true, expected), "{step}");
         assert_eq!(memory.erasing, Some((16 * step).min(7782)), "{step}");
     }
-    assert!(ask(&mut storage, Request::Erase).1.is_erased());
+    assert!(ask(&mut storage, FlashTask::Erase).1.is_erased());
 }
 
 /// An erase that the flash does not accept ends with fault 30; when the flash is back, it can be requested

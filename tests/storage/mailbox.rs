@@ -3,7 +3,7 @@
 use crate::support::{Chip, now, set, small};
 use core::pin::pin;
 use core::task::{Context, Waker};
-use narx_core::storage::{CodeFlash, Mailbox, Part, Report, Request, Storage};
+use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Mailbox, Part, Storage};
 use narx_sim::flash::Sparse;
 use narx_sim::internal_flash::InternalFlash;
 
@@ -20,7 +20,7 @@ fn a_request_gets_its_report_once() {
     let (mailbox, mut storage) = (Mailbox::new(), Storage::new(small(&set(1))));
     serve(&mailbox, &mut storage);
     assert_eq!(mailbox.take_report(), None, "nobody has asked");
-    for request in [Request::Open, Request::Store(set(2), Part::Set), Request::Read(0)] {
+    for request in [FlashTask::Open, FlashTask::Store(set(2), Part::Set), FlashTask::Read(0)] {
         mailbox.ask(request.clone());
         assert_eq!(mailbox.take_report(), None, "it has not been served");
         serve(&mailbox, &mut storage);
@@ -29,9 +29,9 @@ fn a_request_gets_its_report_once() {
         assert_eq!(core::mem::discriminant(&report), core::mem::discriminant(&same));
         assert_eq!(mailbox.take_report(), None, "it was taken");
     }
-    mailbox.ask(Request::Open);
+    mailbox.ask(FlashTask::Open);
     serve(&mailbox, &mut storage);
-    let Some(Report::Opened(opened)) = mailbox.take_report() else { panic!() };
+    let Some(FlashReply::Opened(opened)) = mailbox.take_report() else { panic!() };
     assert_eq!(opened.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
 }
 
@@ -40,7 +40,8 @@ fn a_request_gets_its_report_once() {
 fn the_codes_own_flash_is_served_in_steps() {
     let mailbox = Mailbox::new();
     let mut storage = CodeFlash::new(InternalFlash::<Sparse>::new(Sparse::new(), 8192, 1));
-    for (request, passes) in [(Request::Open, 2), (Request::Store(set(3), Part::Set), 3), (Request::Open, 2)]
+    for (request, passes) in
+        [(FlashTask::Open, 2), (FlashTask::Store(set(3), Part::Set), 3), (FlashTask::Open, 2)]
     {
         mailbox.ask(request);
         for pass in 1..=passes {
@@ -48,8 +49,8 @@ fn the_codes_own_flash_is_served_in_steps() {
             mailbox.serve_step(&mut storage);
         }
         match mailbox.take_report() {
-            Some(Report::Opened(opened)) => assert!(opened.log.records == 0),
-            Some(Report::Stored { done, .. }) => assert!(done),
+            Some(FlashReply::Opened(opened)) => assert!(opened.log.records == 0),
+            Some(FlashReply::Stored { done, .. }) => assert!(done),
             other => panic!("{other:?}"),
         }
         mailbox.serve_step(&mut storage);

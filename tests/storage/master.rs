@@ -9,7 +9,7 @@ use narx_core::master::{
     Config, Described, DescriptionReader, Download, DownloadError, Master, Reason, Request, Service,
 };
 use narx_core::motor::State;
-use narx_core::storage::{self, Record, Report, Storage};
+use narx_core::storage::{self, FlashReply, Record, Storage};
 use narx_sim::bench::{Bench, IDENTITY};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -70,7 +70,7 @@ impl Rig {
             }
             self.master.handle_frame(&received.frame, received.time_ns / 1000);
         }
-        while self.bench.overhear().is_some() {}
+        while self.bench.monitor().is_some() {}
     }
 
     fn run(&mut self, milliseconds: u64) {
@@ -178,9 +178,9 @@ fn what_is_lost_of_the_description_comes_once_more() {
 /// Content of a flash, read directly.
 fn on_the_flash(bench: Bench, records: std::ops::Range<u32>) -> Vec<u8> {
     let mut storage = Storage::new(bench.into_flash());
-    let Report::Opened(_) = now(storage.execute(storage::Request::Open)) else { panic!("opened") };
-    let record = |index| match now(storage.execute(storage::Request::Read(index))) {
-        Report::Record(Some(record)) => record.bytes().to_vec(),
+    let FlashReply::Opened(_) = now(storage.execute(storage::FlashTask::Open)) else { panic!("opened") };
+    let record = |index| match now(storage.execute(storage::FlashTask::Read(index))) {
+        FlashReply::Record(Some(record)) => record.bytes().to_vec(),
         other => panic!("{other:?}"),
     };
     records.flat_map(record).collect()

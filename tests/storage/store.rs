@@ -6,7 +6,7 @@ use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
-use narx_core::storage::{Part, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Part, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};
 
 const SUBSECTOR: u32 = 4096;
@@ -164,7 +164,7 @@ fn a_flash_that_fails_while_storing_says_so() {
     open(&mut storage);
     storage.flash().set_absent(true);
     assert!(!store(&mut storage, &set(2), Part::Set));
-    assert_eq!(now(storage.execute(Request::Read(0))), Report::Record(None));
+    assert_eq!(now(storage.execute(FlashTask::Read(0))), FlashReply::Record(None));
 }
 
 #[test]

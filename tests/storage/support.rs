@@ -4,7 +4,7 @@
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::storage::{Opened, Part, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Opened, Part, Storage};
 use narx_sim::flash::{Flash, KBYTE_512, Sparse};
 
 pub(crate) type Chip = Flash<Sparse>;
@@ -37,15 +37,15 @@ pub(crate) fn set(variant: i32) -> Parameters {
 }
 
 pub(crate) fn open(storage: &mut Storage<Chip>) -> Opened {
-    match now(storage.execute(Request::Open)) {
-        Report::Opened(opened) => opened,
+    match now(storage.execute(FlashTask::Open)) {
+        FlashReply::Opened(opened) => opened,
         other => panic!("{other:?}"),
     }
 }
 
 pub(crate) fn store(storage: &mut Storage<Chip>, parameters: &Parameters, part: Part) -> bool {
-    match now(storage.execute(Request::Store(parameters.clone(), part))) {
-        Report::Stored { done, .. } => done,
+    match now(storage.execute(FlashTask::Store(parameters.clone(), part))) {
+        FlashReply::Stored { done, .. } => done,
         other => panic!("{other:?}"),
     }
 }

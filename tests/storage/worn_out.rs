@@ -11,7 +11,7 @@ use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use narx_core::dictionary::number;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::Layout;
-use narx_core::storage::{CodeFlash, Memory, Part, Report, Request, Storage};
+use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Memory, Part, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, Tear};
 
 const SUBSECTOR: u32 = 4096;
@@ -111,7 +111,10 @@ impl<C: Blocking> Blocking for WornOut<C> {
 }
 
 fn stored<C: NorFlash>(storage: &mut Storage<C>, variant: i32) -> bool {
-    matches!(now(storage.execute(Request::Store(set(variant), Part::Set))), Report::Stored { done: true, .. })
+    matches!(
+        now(storage.execute(FlashTask::Store(set(variant), Part::Set))),
+        FlashReply::Stored { done: true, .. }
+    )
 }
 
 #[test]
@@ -122,7 +125,7 @@ fn a_page_that_takes_nothing_any_more_is_passed_over() {
             let start = map.start + page * SUBSECTOR;
             let chip = formatted(MBIT_256, &set(0));
             let mut storage = Storage::new(WornOut::new(chip, start..start + SUBSECTOR));
-            now(storage.execute(Request::Open));
+            now(storage.execute(FlashTask::Open));
             // Enough to fill four pages.
             for variant in 1..30 {
                 assert!(stored(&mut storage, variant), "{page} of {map:x?}: {variant}");
@@ -140,7 +143,7 @@ fn a_map_that_takes_nothing_any_more_is_told() {
     let layout = Layout::of(END, SUBSECTOR).unwrap();
     for map in [&layout.primary.map, &layout.mirror.map] {
         let mut storage = Storage::new(WornOut::new(small(&set(0)), map.clone()));
-        now(storage.execute(Request::Open));
+        now(storage.execute(FlashTask::Open));
         assert!(!stored(&mut storage, 1), "{map:x?}");
         let (opened, _) = boot(&storage.into_flash().chip);
         let rate = opened.parameters.value(number::SPEED_RATE).unwrap();
@@ -165,14 +168,14 @@ fn a_record_that_is_not_kept_is_written_again() {
     ] {
         let what = format!("{fate:?} {times} times");
         let mut storage = filled(0, 40);
-        let entry = Request::Append(narx_core::storage::Entry {
+        let entry = FlashTask::Append(narx_core::storage::Entry {
             time: 7,
             values: [(111, 700)].into_iter().collect(),
         });
         let place = 40 * 256..44 * 256;
         let mut worn = Storage::new(WornOut { chip: storage.flash().clone(), place, fate, times });
-        now(worn.execute(Request::Open));
-        let Report::Log { done, memory } = now(worn.execute(entry)) else { panic!("{what}") };
+        now(worn.execute(FlashTask::Open));
+        let FlashReply::Log { done, memory } = now(worn.execute(entry)) else { panic!("{what}") };
         assert_eq!((done, memory.written), (index.is_some(), index.map_or(40, |index| index + 1)), "{what}");
         let mut storage = Storage::new(worn.into_flash().chip);
         let written = open(&mut storage).log.written;
@@ -251,7 +254,7 @@ fn a_log_without_a_beginning_has_no_records() {
         lose(&mut lost, map.clone(), 3);
     }
     let mut erasing = filled(0, 40);
-    assert!(ask(&mut erasing, Request::Erase).0);
+    assert!(ask(&mut erasing, FlashTask::Erase).0);
     for (chip, expected) in [(lost, (true, None)), (erasing.into_flash(), (false, Some(0)))] {
         let Memory { lost, erasing, written, .. } = boot(&chip).0.log;
         assert_eq!(((lost, erasing), written), (expected, 0));
@@ -276,10 +279,13 @@ fn parameters_beside_the_code_move_past_a_page_that_takes_nothing() {
     for page in [2, 3] {
         let place = page * code_flash::PAGE..(page + 1) * code_flash::PAGE;
         let mut storage = CodeFlash::new(WornOut::new(code_flash::worn(stores), place));
-        for request in [Request::Open, Request::Store(set(900), Part::Set)] {
+        for request in [FlashTask::Open, FlashTask::Store(set(900), Part::Set)] {
             storage.begin(request);
             let report = (0..20).find_map(|_| storage.step()).expect("a request ends");
-            assert!(matches!(report, Report::Opened(_) | Report::Stored { done: true, .. }), "{page}");
+            assert!(
+                matches!(report, FlashReply::Opened(_) | FlashReply::Stored { done: true, .. }),
+                "{page}"
+            );
         }
         let (opened, _) = code_flash::boot(&storage.into_flash().chip);
         assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false), "{page}");

@@ -20,7 +20,7 @@ function turning(options) {
     return drive;
 }
 
-test("without an operator a drive obeys frames alone", () => {
+test("without an operator a drive accepts frames alone", () => {
     const drive = bench({ operator: false });
     drive.run(0.6, false);
     assert.ok(drive.takeFrames().every(({ sent }) => !sent), "a drive alone tells its state");

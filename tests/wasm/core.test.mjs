@@ -13,16 +13,16 @@ const data = (text) => Uint8Array.from(text.match(/../g) ?? [], (pair) => parseI
 /** A bus on which a drive starts: every frame, the master's among them. */
 async function frames() {
     const pump = new Pump({}, { readParameters: false });
-    const heard = [];
+    const received = [];
     const take = pump.bench.takeFrames.bind(pump.bench);
     pump.bench.takeFrames = () => {
         const taken = take();
-        heard.push(...taken);
+        received.push(...taken);
         return taken;
     };
     await pump.run(pump.drive.start(1500));
     pump.pass(1);
-    return heard;
+    return received;
 }
 const BUS = await frames();
 

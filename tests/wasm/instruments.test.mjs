@@ -177,7 +177,7 @@ test("a virtual drive with a bootloader is programmed, and what goes wrong is to
     assert.equal(await program(page), "The board's bootloader does not accept the signature. The drive runs its previous firmware.");
 
     await go(page, "main");
-    // It has restarted: a start that it hears while it boots is spent.
+    // It has restarted: a start that it receives while it boots is spent.
     await inState(page, "Standby");
     await start(page, 1500);
     await go(page, "update");

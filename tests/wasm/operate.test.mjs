@@ -66,7 +66,7 @@ test("the control mode is the operator's, and a start without one is refused in 
 test("a set-point is the mode's, until the operator has the field in hand", async () => {
     const { page } = await operate(browser, "main");
     const setpoint = page.locator("#setpoint");
-    // No limits are the open loop's, and of whoever has not heard of others yet.
+    // No limits are the open loop's, and of whoever has not received of others yet.
     const limited = page.locator('#setpoint:not([max="65535"])');
     const unlimited = page.locator('#setpoint[max="65535"]');
     await limited.waitFor();

@@ -202,9 +202,9 @@ impl Bench {
     fn operator(&mut self, call: &str) -> Result<&mut Session, JsValue> {
         match &mut self.host {
             Host::Operator(session) => Ok(session),
-            Host::Nobody(_) => {
-                Err(type_error(&format!("{call}: this bench has no operator; its drive obeys frames (send)")))
-            }
+            Host::Nobody(_) => Err(type_error(&format!(
+                "{call}: this bench has no operator; its drive accepts frames (send)"
+            ))),
         }
     }
 
@@ -213,22 +213,22 @@ impl Bench {
             Host::Operator(session) => session.step(),
             Host::Nobody(bench) => {
                 bench.0.step();
-                // Frames for the host itself are dropped: `overhear` returns all frames of the bus.
+                // Frames for the host itself are dropped: `monitor` returns all frames of the bus.
                 while bench.0.receive().is_some() {}
             }
         }
         if self.frames.is_some() {
-            self.overhear();
+            self.monitor();
         }
     }
 
-    fn overhear(&mut self) {
-        while let Some(heard) = self.core_mut().overhear() {
+    fn monitor(&mut self) {
+        while let Some(received) = self.core_mut().monitor() {
             if let Some(frames) = &mut self.frames {
                 if frames.len() == FRAMES_MAX {
                     frames.pop_front();
                 }
-                frames.push_back(heard);
+                frames.push_back(received);
             }
         }
     }

@@ -77,14 +77,14 @@ impl Bench {
     #[wasm_bindgen(js_name = takeFrames, unchecked_return_type = "BusFrame[]")]
     pub fn take_frames(&mut self) -> Array {
         let host = self.core().host();
-        let heard = self.frames.as_mut().map(std::mem::take).unwrap_or_default();
-        let shape = |heard: narx_sim::can::Received| {
-            let shaped = frame::object(&heard.frame);
-            set(&shaped, "time", heard.time_ns as f64 / 1e9);
-            set(&shaped, "sent", heard.sender == host);
+        let received = self.frames.as_mut().map(std::mem::take).unwrap_or_default();
+        let shape = |received: narx_sim::can::Received| {
+            let shaped = frame::object(&received.frame);
+            set(&shaped, "time", received.time_ns as f64 / 1e9);
+            set(&shaped, "sent", received.sender == host);
             shaped
         };
-        heard.into_iter().map(shape).collect()
+        received.into_iter().map(shape).collect()
     }
 
     /// Injects a fault, until `clear`. A fault is a physical cause, not the fault bit that results from it.

@@ -28,7 +28,7 @@ export function tablesOf(master: Master): Tables {
     return { parameters: master.parameters(), signals: master.scopeSignals(), measurements: master.measurementSignals() };
 }
 
-/** Reads the description when a drive is first heard, and again when it comes back, because it may then be
+/** Reads the description when the first frame of a drive is received, and again when it comes back, because it may then be
  * another drive. */
 export class Describer {
     #link: Link;

@@ -41,7 +41,7 @@ const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
 
 /** Configuration of a master, and the use of its drive's description. */
 export interface DriveOptions extends MasterOptions {
-    /** Reads the drive's description (XML) when the drive is first heard, and takes names, units, scales and
+    /** Reads the drive's description (XML) when the first frame of the drive is received, and takes names, units, scales and
      * ranges from it; default true. */
     readDescription?: boolean;
     /** Storage of descriptions, in addition to this program's memory. */
@@ -207,7 +207,7 @@ export class Drive {
         return this.master.status;
     }
 
-    /** True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+    /** True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast periods if that is
      * longer. */
     get connected(): boolean {
         return this.master.connected;

@@ -36,7 +36,7 @@ export class Parameters {
         );
     }
 
-    /** Returns the value as last heard; `undefined` before. Sends no request. */
+    /** Returns the value as last received; `undefined` before. Sends no request. */
     known(key: ParameterKey): number | undefined {
         return this.#link.master.parameter(key);
     }

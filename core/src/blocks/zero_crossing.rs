@@ -10,7 +10,7 @@ use crate::motor::commutate::commutator::{CommutatorCoefficients, time_in};
 use crate::motor::commutate::pwm::PwmCommand;
 use crate::motor::gain::Gain;
 use crate::motor::guard::rails::Rail;
-use crate::motor::rotor::back_emf::{BackEmf, BackEmfCoefficients, End, OperatingPoint, Sight};
+use crate::motor::rotor::back_emf::{BackEmf, BackEmfCoefficients, End, Observation, OperatingPoint};
 use crate::motor::rotor::listening::Listening;
 use crate::motor::rotor::zero_crossing::{Why, ZeroCrossing as Estimator};
 use crate::motor::sense::front_end::{Channel, FrontEnd};
@@ -218,12 +218,12 @@ impl ZeroCrossing {
             self.listening.reset(self.now);
             return;
         }
-        let heard =
+        let passage =
             self.listening.step(&self.coefficients, self.now, &samples.phase_voltage, applied.sample_at);
-        if let Some(heard) = heard
-            && (heard.direction == self.estimator.direction() || self.listening.agrees())
+        if let Some(passage) = passage
+            && (passage.direction == self.estimator.direction() || self.listening.agrees())
         {
-            self.estimator.observe_coasting(self.now, heard.place, heard.age, heard.direction);
+            self.estimator.observe_coasting(self.now, passage.place, passage.age, passage.direction);
         }
     }
 
@@ -239,38 +239,38 @@ impl ZeroCrossing {
             let point = OperatingPoint { torque, interval: self.estimator.expected() };
             end = self.back_emf.follow(c, now, samples, applied, &point);
         }
-        let sight = self.back_emf.look(c, now, samples, bus_voltage, applied.sample_at);
+        let observation = self.back_emf.look(c, now, samples, bus_voltage, applied.sample_at);
         if self.mode == Mode::Listening {
             return None;
         }
         match end {
-            End::Crossing { sector, age } => self.take(sector, Sight::Crossing { age, threshold: 0 }),
-            End::Seen => self.take(self.back_emf.sector()?, sight),
+            End::Crossing { sector, age } => self.take(sector, Observation::Crossing { age, threshold: 0 }),
+            End::Seen => self.take(self.back_emf.sector()?, observation),
             End::Missed => {
                 self.estimator.step_blind(now);
-                self.take(self.back_emf.sector()?, sight)
+                self.take(self.back_emf.sector()?, observation)
             }
         }
     }
 
     /// Gives the estimator the observation in the step of `sector`; returns the age of a crossing that it
     /// accepts.
-    fn take(&mut self, sector: u8, sight: Sight) -> Option<i32> {
+    fn take(&mut self, sector: u8, observation: Observation) -> Option<i32> {
         let (now, starting) = (self.now, self.mode == Mode::Starting);
-        match sight {
-            Sight::Crossing { age, threshold } => {
-                let told = (age, threshold);
-                if self.estimator.cross(now, sector, told, self.coefficients.emf_of_turns, starting) {
+        match observation {
+            Observation::Crossing { age, threshold } => {
+                let crossing = (age, threshold);
+                if self.estimator.cross(now, sector, crossing, self.coefficients.emf_of_turns, starting) {
                     return Some(age);
                 }
                 self.back_emf.reject(now);
             }
-            Sight::Late => self.estimator.cross_late(now, sector, starting),
-            Sight::Before => _ = self.estimator.wait(now, sector, starting),
-            Sight::Nothing if starting && !self.back_emf.is_found() => {
+            Observation::Late => self.estimator.cross_late(now, sector, starting),
+            Observation::Before => _ = self.estimator.wait(now, sector, starting),
+            Observation::Nothing if starting && !self.back_emf.is_found() => {
                 self.estimator.wait(now, sector, true);
             }
-            Sight::Nothing => {}
+            Observation::Nothing => {}
         }
         None
     }

@@ -18,7 +18,7 @@ use core::fmt;
 pub struct Line<'a> {
     /// Time as it was stamped, s: since 1970, or since something else.
     pub time: f64,
-    /// Interface on which it was heard.
+    /// Interface on which it was received.
     pub channel: &'a str,
     /// Received, not sent, by the logging node; true where the line has no direction.
     pub received: bool,

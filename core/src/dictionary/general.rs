@@ -34,7 +34,7 @@ pub(super) const GENERAL: [Row; 78] = [
         .range(0, 255)
         .factory(85)
         .after_reboot()
-        .about("Address of the one master that is obeyed."),
+        .about("Address of the master whose frames are accepted."),
     Row::new(number::HARDWARE_RELEASE, "Hardware Release", CommonInfo, U16)
         .range(0, 65535)
         .factory(0)

@@ -113,7 +113,7 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, u32::MAX as i64)
         .factory(0)
         .read_only()
-        .about("Well-formed frames of the master that were not obeyed, since power-up."),
+        .about("Well-formed frames of the master that were not accepted, since power-up."),
     Row::new(number::MALFORMED_FRAMES, "Malformed frames", Diagnostics, U32)
         .range(0, u32::MAX as i64)
         .factory(0)

@@ -9,18 +9,18 @@ const QUIET_US: u64 = 1_000_000;
 /// Errors that are still to be sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Errors {
-    codes: [Reports; ErrorCode::ALL.len()],
+    codes: [Message; ErrorCode::ALL.len()],
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Reports {
-    report: Report,
+struct Message {
+    pending: Pending,
     /// Earliest time at which the code is sent again, microseconds.
     quiet_until: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Report {
+enum Pending {
     /// There is nothing to send.
     #[default]
     None,
@@ -33,9 +33,9 @@ enum Report {
 impl Errors {
     /// Notes an error; it is dropped if the same one was sent less than a second ago.
     pub(super) fn note(&mut self, code: ErrorCode, now: u64) {
-        for (own, reports) in ErrorCode::ALL.into_iter().zip(&mut self.codes) {
-            if own == code && now >= reports.quiet_until {
-                reports.report = Report::Due;
+        for (own, message) in ErrorCode::ALL.into_iter().zip(&mut self.codes) {
+            if own == code && now >= message.quiet_until {
+                message.pending = Pending::Due;
             }
         }
     }
@@ -43,35 +43,35 @@ impl Errors {
     /// Takes the next error to send.
     pub(super) fn pop(&mut self, now: u64) -> Option<ErrorCode> {
         let mut all = ErrorCode::ALL.into_iter().zip(&mut self.codes);
-        let (code, reports) =
-            all.find(|(_, reports)| reports.report == Report::Due && reports.quiet_until <= now)?;
-        *reports = Reports { report: Report::None, quiet_until: now.saturating_add(QUIET_US) };
+        let (code, message) =
+            all.find(|(_, message)| message.pending == Pending::Due && message.quiet_until <= now)?;
+        *message = Message { pending: Pending::None, quiet_until: now.saturating_add(QUIET_US) };
         Some(code)
     }
 
     /// Notes that the controller has gone off the bus and its frames are dropped. A node's own frames put it
     /// off the bus, so messages that the controller was given within the last second may be among them.
     pub(super) fn lose(&mut self, now: u64) {
-        for reports in &mut self.codes {
-            if reports.report == Report::None && now < reports.quiet_until {
-                reports.report = Report::Lost;
+        for message in &mut self.codes {
+            if message.pending == Pending::None && now < message.quiet_until {
+                message.pending = Pending::Lost;
             }
         }
     }
 
     /// Notes that a frame has arrived: the bus works, so lost messages are sent again. Without a received
     /// frame they are not: a node at a wrong bitrate would go on destroying the frames of others.
-    pub(super) fn hear(&mut self) {
-        for reports in &mut self.codes {
-            if reports.report == Report::Lost {
-                reports.report = Report::Due;
+    pub(super) fn receive(&mut self) {
+        for message in &mut self.codes {
+            if message.pending == Pending::Lost {
+                message.pending = Pending::Due;
             }
         }
     }
 
     /// Time after `now` at which the next waiting message becomes due.
     pub(super) fn due_after(&self, now: u64) -> Option<u64> {
-        let waiting = self.codes.iter().filter(|reports| reports.report == Report::Due);
-        waiting.map(|reports| reports.quiet_until).filter(|from| *from > now).min()
+        let waiting = self.codes.iter().filter(|message| message.pending == Pending::Due);
+        waiting.map(|message| message.quiet_until).filter(|from| *from > now).min()
     }
 }

@@ -147,7 +147,7 @@ impl TxDriver {
             return;
         }
         self.now = now;
-        self.outbox.errors.hear();
+        self.outbox.errors.receive();
         match ToNode::decode(frame) {
             Ok(ToNode::Nmt { command, target }) => self.handle_nmt(command, target),
             Ok(ToNode::Sync) => self.trigger(PdoKind::Sync),

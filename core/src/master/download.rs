@@ -171,7 +171,7 @@ impl Transfer {
             return;
         }
         let Some(stream) = &mut self.stream else { return };
-        let Some(piece) = stream.hear(message, now) else { return };
+        let Some(piece) = stream.receive(message, now) else { return };
         let Piece { begin, end, data } = piece;
         let wanted = stream.take(&piece, CHUNKS - self.chunks.len());
         let is_last = stream.is_last(&piece);

@@ -5,7 +5,7 @@
 //!                                      +--------+ <-- start, stop, set_speed, shut_down
 //!  frames, time ---- handle_frame ---> | Master | <-- request, begin, download
 //!  frames <--- poll_frame <-- time --- |        | --> poll_answer, poll_job, poll_chunk, poll_download
-//!                                      +--------+ --> report, measurements, parameters: what was heard, and when
+//!                                      +--------+ --> report, measurements, parameters: what was received, and when
 //! ```
 //!
 //! Time is given in microseconds from any beginning and never runs back. Call `handle_frame` for every frame
@@ -48,7 +48,7 @@ pub use job::{Job, JobError};
 pub use limits::{SpeedError, SpeedLimit, SpeedLimits};
 pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
-pub use report::{BuildInfo, CriticalFault, DescriptionInfo, DeviceInfo, Heard, Report};
+pub use report::{BuildInfo, CriticalFault, DescriptionInfo, DeviceInfo, Received, Report};
 pub use requests::{Answer, Request, Service};
 pub use rows::{Described, DescribedCategory, DescribedField, DescribedParameter, DescribedSignal};
 #[cfg(feature = "update")]
@@ -80,8 +80,8 @@ pub struct Config {
     pub setpoint_period: u64,
     /// Listens only (Figure 9): transmits nothing, commands have no effect, requests are not taken.
     pub silent: bool,
-    /// Reads every parameter when the drive is first heard, after it was lost, and after an action that
-    /// changes many of them.
+    /// Reads every parameter when the first frame of the drive is received, after it was lost, and after an
+    /// action that changes many of them.
     pub read_parameters: bool,
     /// Longest time until an answer, at least 1000; default 100 000.
     pub timeout: u64,
@@ -162,27 +162,27 @@ impl Master {
         &self.measurements
     }
 
-    /// The drive's parameters, as last heard.
+    /// The drive's parameters, as last received.
     pub const fn parameters(&self) -> &ParameterMirror {
         &self.parameters
     }
 
     /// The exact state, or `None` while it is not known. The status word cannot tell some states from each
-    /// other (Table 8), so parameter 261 is read whenever that word is heard.
+    /// other (Table 8), so parameter 261 is read whenever that word is received.
     pub fn state(&self) -> Option<State> {
-        let exact = self.parameters.get(number::DRIVE_STATE).map(|heard| heard.value);
+        let exact = self.parameters.get(number::DRIVE_STATE).map(|received| received.value);
         self.report.state(exact)
     }
 
     /// Mechanical speed from the source that the drive's control mode uses, rpm, negative in reverse:
     /// [`Measurements::speed`].
-    pub fn speed(&self) -> Option<Heard<i16>> {
+    pub fn speed(&self) -> Option<Received<i16>> {
         self.measurements.speed(self.report.status.map(|status| status.value.control))
     }
 
-    /// Returns whether the drive was heard lately.
+    /// Returns whether a frame of the drive was received lately.
     pub fn is_connected(&self, now: u64) -> bool {
-        let period = self.parameters.get(number::AUTOSEND_PERIOD).map_or(0, |heard| heard.value);
+        let period = self.parameters.get(number::AUTOSEND_PERIOD).map_or(0, |received| received.value);
         let lost_after = self.config.lost_after.max(u64::from(period.unsigned_abs()) * 3000);
         self.report.last.is_some_and(|last| now.saturating_sub(last) < lost_after)
     }
@@ -191,13 +191,13 @@ impl Master {
 /// Commands for the motor, repeated every period.
 impl Master {
     /// Returns the set-points that the drive accepts unchanged; `None` before the parameters of the enabled
-    /// mode, among [`SpeedLimits::PARAMETERS`], were heard.
+    /// mode, among [`SpeedLimits::PARAMETERS`], were received.
     pub fn speed_limits(&self) -> Option<SpeedLimits> {
-        SpeedLimits::of(|number| self.parameters.get(number).map(|heard| heard.value))
+        SpeedLimits::of(|number| self.parameters.get(number).map(|received| received.value))
     }
 
     /// Checks a set-point, rpm, negative in reverse, against the drive's limits, or against the range of
-    /// MOTOR_CMD before they were heard. Call it before [`Master::start`] and [`Master::set_speed`]. The
+    /// MOTOR_CMD before they were received. Call it before [`Master::start`] and [`Master::set_speed`]. The
     /// drive clamps a set-point outside its limits; [`Report::accepted_speed`] shows the result.
     ///
     /// # Errors

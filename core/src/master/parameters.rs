@@ -1,17 +1,17 @@
-//! Mirror of the drive's parameters as last heard, and its reader in the background.
+//! Mirror of the drive's parameters as last received, and its reader in the background.
 
-use super::Heard;
+use super::Received;
 use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, number};
 
 /// Time stamp of an unknown value: later than any real one.
 const NEVER: u64 = u64::MAX;
 
-/// The drive's parameters as last heard, from all answers to this master and from nothing else. A value that
-/// the drive changes by itself shows only when it is read again.
+/// The drive's parameters as last received, from all answers to this master and from nothing else. A value
+/// that the drive changes by itself shows only when it is read again.
 #[derive(Clone, Debug)]
 pub struct ParameterMirror {
     raw: [i32; PARAMETER_COUNT],
-    /// Time at which each was last heard, microseconds.
+    /// Time at which each was last received, microseconds.
     at: [u64; PARAMETER_COUNT],
 }
 
@@ -24,17 +24,17 @@ impl Default for ParameterMirror {
 
 impl ParameterMirror {
     /// The raw value of a parameter (unit and scale: its row), if it is known.
-    pub fn get(&self, number: u16) -> Option<Heard<i32>> {
+    pub fn get(&self, number: u16) -> Option<Received<i32>> {
         self.at_index(Dictionary::index(number)?)
     }
 
     /// The raw value of the parameter of that name, if it is known; case does not matter.
-    pub fn find(&self, name: &str) -> Option<Heard<i32>> {
+    pub fn find(&self, name: &str) -> Option<Received<i32>> {
         self.get(Dictionary::find(name)?.number)
     }
 
     /// Every row in the order of the numbers, with its raw value where it is known.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Option<Heard<i32>>)> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Option<Received<i32>>)> + '_ {
         Dictionary::rows().enumerate().map(|(index, row)| (row, self.at_index(index)))
     }
 
@@ -55,10 +55,10 @@ impl ParameterMirror {
         self.at = [NEVER; PARAMETER_COUNT];
     }
 
-    fn at_index(&self, index: usize) -> Option<Heard<i32>> {
+    fn at_index(&self, index: usize) -> Option<Received<i32>> {
         let at = *self.at.get(index)?;
         let value = *self.raw.get(index)?;
-        (at != NEVER).then_some(Heard { value, at })
+        (at != NEVER).then_some(Received { value, at })
     }
 }
 

@@ -6,14 +6,14 @@ use crate::motor::machine::state::State;
 
 /// A received value, and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard<T> {
+pub struct Received<T> {
     /// The value.
     pub value: T,
     /// Time of reception, microseconds.
     pub at: u64,
 }
 
-impl<T> Heard<T> {
+impl<T> Received<T> {
     /// Time since the reception, microseconds.
     pub const fn age(&self, now: u64) -> u64 {
         now.saturating_sub(self.at)
@@ -24,23 +24,23 @@ impl<T> Heard<T> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// STATUS_WORD.
-    pub status: Option<Heard<StatusWord>>,
+    pub status: Option<Received<StatusWord>>,
     /// FAULT_WORD: live and latched faults.
-    pub faults: Option<Heard<FaultWord>>,
+    pub faults: Option<Received<FaultWord>>,
     /// CRITICAL_FAULT: sent for each new critical fault and never withdrawn; `faults` shows whether it still
     /// holds.
-    pub critical: Option<Heard<CriticalFault>>,
+    pub critical: Option<Received<CriticalFault>>,
     /// The echo of MOTOR_CMD: the set-point that the drive uses, rpm.
-    pub accepted_speed: Option<Heard<u16>>,
+    pub accepted_speed: Option<Received<u16>>,
     /// BUILD_INFO.
-    pub build: Option<Heard<BuildInfo>>,
+    pub build: Option<Received<BuildInfo>>,
     /// DEVICE_INFO.
-    pub device: Option<Heard<DeviceInfo>>,
+    pub device: Option<Received<DeviceInfo>>,
     /// XML_DOWNLOAD_ANSWER: the drive's description.
-    pub description: Option<Heard<DescriptionInfo>>,
+    pub description: Option<Received<DescriptionInfo>>,
     /// Time at which the drive last acknowledged a reboot, microseconds.
     pub reboot: Option<u64>,
-    /// Time at which any message was last heard, microseconds.
+    /// Time at which any message was last received, microseconds.
     pub last: Option<u64>,
 }
 
@@ -97,21 +97,21 @@ impl Report {
     pub(super) fn note(&mut self, message: &FromDrive, at: u64) {
         self.last = Some(at);
         match *message {
-            FromDrive::Status(value) => self.status = Some(Heard { value, at }),
-            FromDrive::Faults(value) => self.faults = Some(Heard { value, at }),
+            FromDrive::Status(value) => self.status = Some(Received { value, at }),
+            FromDrive::Faults(value) => self.faults = Some(Received { value, at }),
             FromDrive::CriticalFault { faults, code } => {
-                self.critical = Some(Heard { value: CriticalFault { faults, code }, at });
+                self.critical = Some(Received { value: CriticalFault { faults, code }, at });
             }
-            FromDrive::MotorCommand { speed } => self.accepted_speed = Some(Heard { value: speed, at }),
+            FromDrive::MotorCommand { speed } => self.accepted_speed = Some(Received { value: speed, at }),
             FromDrive::BuildInfo { number, modified, date } => {
-                self.build = Some(Heard { value: BuildInfo { number, modified, date }, at });
+                self.build = Some(Received { value: BuildInfo { number, modified, date }, at });
             }
             FromDrive::DeviceInfo { hardware, software, device_number, address } => {
                 let value = DeviceInfo { hardware, software, device_number, address };
-                self.device = Some(Heard { value, at });
+                self.device = Some(Received { value, at });
             }
             FromDrive::XmlLength { words, check } => {
-                self.description = Some(Heard { value: DescriptionInfo { words, check }, at });
+                self.description = Some(Received { value: DescriptionInfo { words, check }, at });
             }
             FromDrive::Reboot => self.reboot = Some(at),
             FromDrive::Parameter { .. }

@@ -65,7 +65,7 @@ struct Pass {
     /// The pass has brought a missing word; for the log, a missing record.
     useful: bool,
     /// Time at which its last words were received, or at which it was started, microseconds.
-    heard: u64,
+    received: u64,
 }
 
 /// Words that belong to a download.
@@ -113,7 +113,7 @@ impl Stream {
     /// stream.
     pub(super) const fn deadline(&self) -> u64 {
         match self.phase {
-            Phase::Stream => self.pass.heard.saturating_add(SILENCE),
+            Phase::Stream => self.pass.received.saturating_add(SILENCE),
             _ => u64::MAX,
         }
     }
@@ -131,7 +131,7 @@ impl Stream {
             (Phase::Length | Phase::Stop, _) => Some(Todo::Ask(ToDrive::DownloadXml(XmlCommand::Length))),
             (Phase::Start, _) => {
                 self.phase = Phase::Stream;
-                self.pass.heard = now;
+                self.pass.received = now;
                 Some(Todo::Tell(match self.what {
                     Download::Description => ToDrive::DownloadXml(XmlCommand::Start),
                     _ => ToDrive::DownloadScope,
@@ -156,7 +156,7 @@ impl Stream {
             (Phase::Lower, _) => self.phase = Phase::Raise,
             (Phase::Raise, _) => {
                 self.phase = Phase::Stream;
-                self.pass.heard = now;
+                self.pass.received = now;
             }
             _ => {}
         }
@@ -164,13 +164,13 @@ impl Stream {
     }
 
     /// Returns the words of a message that belong to this download.
-    pub(super) fn hear(&mut self, message: &FromDrive, now: u64) -> Option<Piece> {
+    pub(super) fn receive(&mut self, message: &FromDrive, now: u64) -> Option<Piece> {
         // The first words may arrive before the answer to the log's command.
         if !matches!(self.phase, Phase::Raise | Phase::Stream) {
             return None;
         }
         let (begin, data) = self.place(message)?;
-        self.pass.heard = now;
+        self.pass.received = now;
         let end = self.pass.end.min(begin.saturating_add(3));
         (begin < end).then_some(Piece { begin, end, data })
     }

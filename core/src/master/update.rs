@@ -170,7 +170,7 @@ pub(super) struct UnderWay {
     /// Time at which the stage's message is due next.
     due: u64,
     /// Time at which the drive last made progress, or was asked to restart.
-    heard: u64,
+    received: u64,
     /// Longest time until an answer, microseconds.
     timeout: u32,
     /// Attempts that every message has at least.
@@ -225,7 +225,7 @@ impl Update {
             stage: Stage::Device,
             due: 0,
             // Counted from the first message on, whose time is not known yet.
-            heard: u64::MAX,
+            received: u64::MAX,
             timeout: u32::try_from(timeout).unwrap_or(u32::MAX),
             attempts: attempts.max(1),
             offset: 0,
@@ -338,13 +338,13 @@ impl UnderWay {
 
     /// Returns whether the drive counts as gone: it has made no progress, or has not returned, in time.
     fn is_gone(&mut self, now: u64) -> bool {
-        self.heard = self.heard.min(now);
+        self.received = self.received.min(now);
         let patience = match self.stage {
             Stage::Waiting => return now >= self.back_by,
             Stage::Device => NO_ANSWER,
             _ => SILENCE,
         };
-        now - self.heard >= patience.max(u64::from(self.timeout) * u64::from(self.attempts))
+        now - self.received >= patience.max(u64::from(self.timeout) * u64::from(self.attempts))
     }
 
     /// The stage's message, sent at `now`.
@@ -373,14 +373,14 @@ impl UnderWay {
 
     /// Enters a stage, whose message is due at once.
     fn enter(&mut self, stage: Stage, now: u64) {
-        (self.stage, self.due, self.offset, self.heard) = (stage, now, 0, now);
+        (self.stage, self.due, self.offset, self.received) = (stage, now, 0, now);
     }
 
     fn wait_for_boot(&mut self, now: u64) {
         if self.stage != Stage::Waiting {
             let back_by = self.back_by.min(now.saturating_add(BOOT));
             self.enter(Stage::Waiting, now.saturating_add(LOOK));
-            (self.back_by, self.heard) = (back_by, now);
+            (self.back_by, self.received) = (back_by, now);
         }
     }
 
@@ -443,7 +443,7 @@ impl UnderWay {
             (Stage::Verifying, UpdateState::Verifying) => self.note_progress(status, now),
             (Stage::End | Stage::Verifying, UpdateState::Marked) => self.enter(Stage::Reboot, now),
             // The drive has not restarted: the request was lost, or refused.
-            (Stage::Waiting, UpdateState::Marked) if now >= self.heard.saturating_add(SETTLED) => {
+            (Stage::Waiting, UpdateState::Marked) if now >= self.received.saturating_add(SETTLED) => {
                 self.enter(Stage::Reboot, now);
             }
             (Stage::Waiting, UpdateState::Trial) => self.enter(Stage::Checking, now),
@@ -456,14 +456,14 @@ impl UnderWay {
     /// Notes the drive's progress, which extends its time.
     fn note_progress(&mut self, status: &UpdateStatus, now: u64) {
         if status.offset != self.offset {
-            (self.offset, self.heard) = (status.offset, now);
+            (self.offset, self.received) = (status.offset, now);
         }
     }
 
     fn note_received(&mut self, status: &UpdateStatus, now: u64) {
         let UpdateStatus { code, window, offset, .. } = *status;
         if offset > self.offset {
-            (self.offset, self.heard) = (offset, now);
+            (self.offset, self.received) = (offset, now);
         }
         // A block is missing, or the answer had to be requested: go on from the drive's offset. The drive
         // ignores blocks that it has already.

@@ -136,7 +136,7 @@ impl Coefficients {
 const TICKS_A_REVOLUTION_MIN: i64 = 12;
 /// Time in which the level rises that finds the rotor of a motor without sensors, ms.
 const KICK: i64 = 200;
-/// Nothing heard of the terminals for this long is a rotor at rest, ms.
+/// Silent terminals for this long mean a rotor at rest, ms.
 const REST: i64 = 5;
 /// 2 pi x 10^9.
 const TWO_PI_E9: i64 = 6_283_185_307;
@@ -499,7 +499,7 @@ impl Builder<'_> {
                 soft_start: self.quantity(number::HV_CURRENT_SOFT_START),
                 maximum: self.quantity(number::HV_CURRENT_MAX).min(7 << 16),
                 rate: quotient((self.quantity(number::HV_CURRENT_RATE) as i64) << 16, 1000),
-                phase_current: self.quantity(number::PHASE_CURRENT_MAX),
+                phase_current_max: self.quantity(number::PHASE_CURRENT_MAX),
                 derating_start: self.quantity(warm),
                 derating: self.ratio(hot, 65_536, degrees),
                 bridge: quotient(i64::from(self.board.bridge_milliohm) << 16, 1000) as i32,

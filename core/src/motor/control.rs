@@ -6,7 +6,7 @@ pub mod pi;
 
 mod coast;
 mod coefficients;
-mod ease;
+mod steady;
 
 use super::commutate::pwm::Rectification;
 use super::control::limits::{CurrentLimit, Limiter};
@@ -15,8 +15,8 @@ use super::ramp::Ramp;
 use super::sense::measurement::{Measured, Measurement};
 use crate::units::{Amps, Celsius, Duty};
 use coast::{CATCH, Coasting, feeds};
-use ease::Ease;
 use serde::{Deserialize, Serialize};
+use steady::Steady;
 
 pub use coefficients::{ControlCoefficients, ModeCoefficients};
 
@@ -65,7 +65,7 @@ pub struct Control {
     /// The bridge was off in the midst of this episode.
     interrupted: bool,
     output: Output,
-    ease: Ease,
+    steady: Steady,
 }
 
 /// Mean bus current beyond which diodes take over: -0.3 A.
@@ -112,24 +112,24 @@ impl Control {
 
     /// Voltage that the last duty gives on this bus, raw I16F16 V.
     pub const fn applied(&self, c: &ControlCoefficients, bus_voltage: i32) -> i32 {
-        share(bus_voltage, self.output.duty.to_bits().saturating_sub(self.dead_time(c)))
+        share(bus_voltage, self.output.duty.to_bits().saturating_sub(self.lost_duty(c)))
     }
 
-    /// Something else than the samples has changed: the next tick decides anew.
-    pub const fn beware(&mut self) {
-        self.ease = Ease::NONE;
+    /// Lets the next tick decide anew: something else than the samples has changed.
+    pub const fn decide_anew(&mut self) {
+        self.steady = Steady::NONE;
     }
 
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
-        self.beware();
+        self.decide_anew();
         self.speed.wait(voltage);
         self.current.wait(voltage);
         self.speed_voltage = voltage;
     }
 
     /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
-    pub fn rate(
+    pub fn update_ratings(
         &mut self,
         c: &ControlCoefficients,
         measurement: &Measurement,
@@ -139,7 +139,7 @@ impl Control {
         let (voltage, current) = (measurement.bus_voltage(), measurement.bus_current());
         self.phase_current = per_duty(current, self.output.duty.to_bits());
         if self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns) {
-            self.beware();
+            self.decide_anew();
         }
     }
 
@@ -167,7 +167,7 @@ impl Control {
             self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
         }
-        self.keep_ease(c, bus_current);
+        self.renew_steady(c, bus_current);
     }
 
     /// One tick with every limit in turn. `speed` is that of a closed loop, a magnitude in the direction of
@@ -182,12 +182,12 @@ impl Control {
         measured: &Measured,
         measurement: &Measurement,
     ) {
-        self.beware();
+        self.decide_anew();
         let bus_voltage = measurement.bus_voltage();
         let (wanted, own) = match demand {
             Demand::Off => {
                 (self.output, self.interrupted) = (Output::default(), true);
-                self.ease = Ease::OFF;
+                self.steady = Steady::OFF;
                 return;
             }
             Demand::Level(level) => (c.volts(level, bus_voltage), Limiter::Fixed),
@@ -303,8 +303,10 @@ impl Control {
         (voltage, limiter)
     }
 
-    /// Duty that dead time takes away in the present mode.
-    const fn dead_time(&self, c: &ControlCoefficients) -> u16 {
+    /// Duty that the dead time takes from the terminals: with synchronous rectification the commanded duty
+    /// must be this much larger. In diode mode only one switch works, and nothing is lost. The present
+    /// rectification is that of the tick before: a change of it is compensated one tick late.
+    const fn lost_duty(&self, c: &ControlCoefficients) -> u16 {
         if matches!(self.output.rectification, Rectification::Synchronous) { c.dead_time } else { 0 }
     }
 
@@ -317,7 +319,7 @@ impl Control {
         measured: &Measured,
     ) {
         let before = self.output.duty.to_bits();
-        let lost = if duty.to_bits() > 0 { self.dead_time(c) } else { 0 };
+        let lost = if duty.to_bits() > 0 { self.lost_duty(c) } else { 0 };
         let wanted = shortest(c, duty.to_bits().saturating_add(lost));
         let (mut next, mut limiter) = (wanted, limiter);
         if next > duty_max {

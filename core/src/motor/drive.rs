@@ -143,10 +143,10 @@ impl Drive {
     fn refresh(&mut self) {
         self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
-        self.control.beware();
+        self.control.decide_anew();
     }
 
-    /// The source of the rotor's position. With the bridge off the terminals are heard, too: they tell
+    /// The source of the rotor's position. With the bridge off the terminals are observed, too: they tell
     /// whether it stands.
     fn source(&self) -> Source {
         match self.machine.state() {
@@ -205,7 +205,7 @@ impl Drive {
         self.rotor.wake(now);
         self.protection.wake(now);
         self.machine.wake(now);
-        self.control.beware();
+        self.control.decide_anew();
     }
 
     /// The next tick chooses the pattern anew.
@@ -345,7 +345,7 @@ impl Drive {
     /// Duty and sampling of the next period.
     #[inline]
     fn apply(&mut self, current: Amps) {
-        if self.control.divides(&self.coefficients.control, current, &self.measurement) {
+        if self.control.repeat_decision(&self.coefficients.control, current, &self.measurement) {
             let duty = self.control.output().duty;
             self.applied.duty = duty;
             if self.applied.sample_mode == SampleMode::OffTime {
@@ -369,7 +369,7 @@ impl Drive {
         self.rotor.sensorless.note(&self.applied);
         let (duties, bus) = (self.duties_sampled_alike(), self.measurement.bus_voltage());
         let c = &self.coefficients;
-        self.control.ease(&c.control, c.mode(self.machine.state()), demand, bus, duties);
+        self.control.find_steady(&c.control, c.mode(self.machine.state()), demand, bus, duties);
     }
 
     /// Duties that are sampled in the same mode as the last one, raw U1F15.

@@ -13,18 +13,18 @@ use serde::{Deserialize, Serialize};
 /// True if this build calibrates hall sensors.
 pub(crate) const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 
-/// The master's request.
+/// Command of the master.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Command {
     /// Motor mode of the request word.
-    pub request: Request,
+    pub request: RunRequest,
     /// Magnitude of the speed set-point. The drive clamps it to the saturation of its control mode.
     pub speed: ElectricalSpeed,
 }
 
-/// Motor mode of REQUEST_WORD, bits 0 to 3 (Table 8).
+/// Requested motor mode: REQUEST_WORD, bits 0 to 3 (Table 8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Request {
+pub enum RunRequest {
     /// 0: PWM off.
     #[default]
     Standby,
@@ -158,15 +158,15 @@ impl Machine {
         self.handle_set_point(now, command.speed);
         self.command.request = command.request;
         match command.request {
-            Request::Standby => {
+            RunRequest::Standby => {
                 self.armed |= !self.state.is_driving();
                 self.acknowledged |= self.state == State::Fault;
                 self.refusal = Refusal::None;
             }
             // Asked for Drive before it could: a drive that resets under a running master must not start by
             // itself.
-            Request::Drive | Request::Reverse => self.armed &= self.state != State::Initialization,
-            Request::Shutdown => {}
+            RunRequest::Drive | RunRequest::Reverse => self.armed &= self.state != State::Initialization,
+            RunRequest::Shutdown => {}
         }
     }
 
@@ -233,17 +233,17 @@ impl Machine {
 
     /// This request was the last one, too, and has had its effect: once more it only says that the master is
     /// there. Drive and Reverse do the rest of their work the first time.
-    pub fn knows(&self, request: Request) -> bool {
+    pub fn knows(&self, request: RunRequest) -> bool {
         let is_done = match request {
-            Request::Standby => self.armed && (self.acknowledged || self.state != State::Fault),
-            Request::Drive | Request::Reverse | Request::Shutdown => true,
+            RunRequest::Standby => self.armed && (self.acknowledged || self.state != State::Fault),
+            RunRequest::Drive | RunRequest::Reverse | RunRequest::Shutdown => true,
         };
         is_done && request == self.command.request
     }
 
     #[inline]
     fn wants_to_run(&self) -> bool {
-        matches!(self.command.request, Request::Drive | Request::Reverse)
+        matches!(self.command.request, RunRequest::Drive | RunRequest::Reverse)
     }
 
     /// One tick: at most one transition fires.
@@ -263,7 +263,8 @@ impl Machine {
         match row.to {
             State::Standby => {
                 let reversal = conditions.contains(Conditions::REVERSAL) && self.state.is_driving();
-                self.armed = reversal || self.command.request == Request::Standby || self.fresh_after_boot();
+                self.armed =
+                    reversal || self.command.request == RunRequest::Standby || self.fresh_after_boot();
             }
             State::Fault => self.acknowledged = false,
             _ => {}
@@ -296,7 +297,7 @@ impl Machine {
 
     fn requested_direction(&self) -> Direction {
         match self.command.request {
-            Request::Reverse => Direction::Reverse,
+            RunRequest::Reverse => Direction::Reverse,
             _ => Direction::Forward,
         }
     }

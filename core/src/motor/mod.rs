@@ -3,7 +3,7 @@
 //! ```text
 //! samples -> sense (measurement) -> rotor (hall | sensorless: back_emf, zero_crossing, listening | open_loop)
 //!         -> guard (protection, fault, open_phase, rails) -> machine (state)
-//!         -> commutate (commutator, commutation) -> control (limits, pi, ease) -> pwm
+//!         -> commutate (commutator, commutation) -> control (limits, pi, steady) -> pwm
 //! ```
 
 pub mod drive;
@@ -28,7 +28,7 @@ pub use commutate::commutation::{Direction, Leg, Step};
 pub use commutate::pwm::{Commutation, Commutations, PwmCommand, Rectification};
 pub use drive::Drive;
 pub use guard::fault::{Cause, FaultWord};
-pub use machine::event::{Command, Event, Request, Status};
+pub use machine::event::{Command, Event, RunRequest, Status};
 pub use machine::state::State;
 pub use sense::front_end::{Board, Channel, Equipment, FrontEnd};
 pub use sense::samples::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};

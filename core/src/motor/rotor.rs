@@ -203,7 +203,7 @@ impl Rotor {
     /// it turns.
     pub fn stands_still(&self, c: &Coefficients, now: Instant) -> bool {
         let silent = self.hall.is_mute() || self.hall.stopped();
-        self.listens() && self.sensorless.hears_rest(&c.sensorless, now) && silent
+        self.listens() && self.sensorless.observes_rest(&c.sensorless, now) && silent
     }
 
     /// The bridge turns the rotor or holds it: it does not coast.
@@ -219,7 +219,7 @@ impl Rotor {
     #[inline]
     pub fn speed(&self, c: &Coefficients, now: Instant) -> i32 {
         match self.source {
-            Source::Terminals => self.speed_heard(c, now),
+            Source::Terminals => self.speed_observed(c, now),
             Source::Both | Source::Halls | Source::Field => self.hall_speed(c, now).to_bits(),
         }
     }
@@ -228,7 +228,7 @@ impl Rotor {
     #[inline]
     pub const fn turns(&self) -> i32 {
         match self.source {
-            Source::Terminals => self.sensorless.rotor().speed_mean(),
+            Source::Terminals => self.sensorless.estimator().speed_mean(),
             Source::Both | Source::Halls | Source::Field => self.hall.speed(),
         }
     }
@@ -243,7 +243,7 @@ impl Rotor {
     /// open-loop field; 0 if neither is there.
     pub fn speed_without_halls(&self, c: &Coefficients, now: Instant, torque: Direction) -> i32 {
         match self.source {
-            Source::Both | Source::Terminals => self.speed_heard(c, now),
+            Source::Both | Source::Terminals => self.speed_observed(c, now),
             Source::Halls => 0,
             Source::Field => torque.signed(self.field.frequency()),
         }
@@ -251,16 +251,16 @@ impl Rotor {
 
     /// Speed by the terminals, signed, raw I16F16 electrical rev/s.
     #[inline]
-    fn speed_heard(&self, c: &Coefficients, now: Instant) -> i32 {
+    fn speed_observed(&self, c: &Coefficients, now: Instant) -> i32 {
         c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, now))
     }
 
     /// Electrical angle at the boundary `now`, u32 turn.
     pub const fn angle(&self, now: Instant) -> u32 {
         match self.source {
-            Source::Both if self.hall.is_mute() => self.sensorless.rotor().angle(now),
+            Source::Both if self.hall.is_mute() => self.sensorless.estimator().angle(now),
             Source::Both | Source::Halls => self.hall.angle(now),
-            Source::Terminals => self.sensorless.rotor().angle(now),
+            Source::Terminals => self.sensorless.estimator().angle(now),
             Source::Field => self.field.angle(now),
         }
     }

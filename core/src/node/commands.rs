@@ -3,7 +3,7 @@
 use super::scale;
 use crate::bus::narmotion::MotorMode;
 use crate::dictionary::{Parameters, number};
-use crate::motor::machine::event::{Command, Event, Request};
+use crate::motor::machine::event::{Command, Event, RunRequest};
 use crate::units::ElectricalSpeed;
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub(super) struct Commands {
 /// A command on its way; without a request it is a set-point alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Waiting {
-    request: Option<Request>,
+    request: Option<RunRequest>,
     speed: ElectricalSpeed,
 }
 
@@ -41,10 +41,10 @@ impl Commands {
     /// Takes a valid REQUEST_WORD.
     pub(super) fn request(&mut self, mode: MotorMode, parameters: &Parameters) {
         let request = match mode {
-            MotorMode::Standby => Request::Standby,
-            MotorMode::Drive => Request::Drive,
-            MotorMode::Reverse => Request::Reverse,
-            MotorMode::Fault => Request::Shutdown,
+            MotorMode::Standby => RunRequest::Standby,
+            MotorMode::Drive => RunRequest::Drive,
+            MotorMode::Reverse => RunRequest::Reverse,
+            MotorMode::Fault => RunRequest::Shutdown,
         };
         self.push(Some(request), parameters);
     }
@@ -97,7 +97,7 @@ impl Commands {
     /// Queues a request, or a set-point alone. It is merged into the last entry if one of them has no
     /// request, or both have the same: every change of request reaches the tick, and so does the newest
     /// set-point.
-    fn push(&mut self, request: Option<Request>, parameters: &Parameters) {
+    fn push(&mut self, request: Option<RunRequest>, parameters: &Parameters) {
         let speed = scale::electrical_speed(self.speed.into(), parameters.raw(number::MOTOR_POLE_PAIRS));
         if let Some(last) = self.waiting.back_mut()
             && (request.is_none() || last.request.is_none() || last.request == request)
@@ -115,8 +115,8 @@ impl Commands {
     /// Replaces a full queue by one request that stops the motor: Shutdown if one waits, else Standby. Starts
     /// are dropped.
     fn condense(&mut self) {
-        let shutdown = self.waiting.iter().any(|waiting| waiting.request == Some(Request::Shutdown));
-        let request = if shutdown { Request::Shutdown } else { Request::Standby };
+        let shutdown = self.waiting.iter().any(|waiting| waiting.request == Some(RunRequest::Shutdown));
+        let request = if shutdown { RunRequest::Shutdown } else { RunRequest::Standby };
         self.waiting.clear();
         let _ = self.waiting.push_back(Waiting { request: Some(request), speed: ElectricalSpeed::ZERO });
     }

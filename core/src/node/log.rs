@@ -12,7 +12,7 @@ use crate::bus::narmotion::{FromDrive, Opcode, ParameterStatus, SIGNALS, Words};
 use crate::dictionary::{Dictionary, number};
 use crate::motor::machine::state::State;
 use crate::storage::record::VALUES;
-use crate::storage::{Entry, Memory, Record, Request};
+use crate::storage::{Entry, FlashTask, Memory, Record};
 use core::num::NonZeroU64;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -111,22 +111,22 @@ impl Log {
     }
 
     /// Returns the log's next request to the flash: new records first, because they have a fixed time.
-    pub(super) fn next_request(&mut self, driving: bool) -> Option<Request> {
+    pub(super) fn next_request(&mut self, driving: bool) -> Option<FlashTask> {
         if !LOGS {
             return None;
         }
         if let Some(entry) = self.entry.take() {
             self.writing = true;
-            return Some(Request::Append(entry));
+            return Some(FlashTask::Append(entry));
         }
         if (self.erase || self.memory.erasing.is_some()) && !driving {
             self.erase = true;
-            return Some(Request::Erase);
+            return Some(FlashTask::Erase);
         }
         match &mut self.download {
             Some(Download { next, step: step @ (Step::Requested | Step::Due), .. }) => {
                 *step = Step::Asked;
-                Some(Request::Read(*next))
+                Some(FlashTask::Read(*next))
             }
             _ => None,
         }

@@ -1,13 +1,13 @@
-//! The device around the motor: obeys the master's frames, keeps the parameters, and broadcasts the tick's
+//! The device around the motor: accepts the master's frames, keeps the parameters, and broadcasts the tick's
 //! reports. A pure state machine without a clock, a bus or a flash of its own.
 //!
 //! ```text
 //!  frames ----- handle_frame --> +------+ --- poll_frame --> frames
 //!  Status ---- handle_status --> | Node | --- poll_event --> Event, to the control tick
 //!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
-//!  Report ----- handle_scope --> |      | --- poll_scope --> Request, to the scope in the control tick's half
-//!  flash ---- handle_storage --> |      | - poll_storage --> what the flash shall do
-//!  slot ------ handle_update --> |      | -- poll_update --> what the slot of the bootloader shall do (feature `update`)
+//!  ScopeReply - handle_scope --> |      | --- poll_scope --> ScopeTask, to the scope in the control tick's half
+//!  FlashReply handle_storage --> |      | - poll_storage --> FlashTask
+//!  SlotReply - handle_update --> |      | -- poll_update --> SlotTask, for the bootloader's slot (feature `update`)
 //!  controller handle_bus_state > |      |
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```

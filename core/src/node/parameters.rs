@@ -10,7 +10,7 @@ use crate::motor::machine::state::State;
 use serde::{Deserialize, Serialize};
 
 /// Command parameters: they act on a rising edge.
-const COMMANDS: [u16; 8] = [
+const ON_RISING_EDGE: [u16; 8] = [
     number::SET_POSITION,
     number::LOG_READ_REQUEST,
     number::LOG_ERASE_REQUEST,
@@ -28,7 +28,7 @@ pub(super) struct Edges(u8);
 
 impl Edges {
     fn bit(number: u16) -> u8 {
-        COMMANDS.iter().position(|command| *command == number).map_or(0, |place| 1 << place)
+        ON_RISING_EDGE.iter().position(|command| *command == number).map_or(0, |place| 1 << place)
     }
     fn arm(&mut self, number: u16) {
         self.0 |= Self::bit(number);

@@ -15,7 +15,7 @@ pub(super) struct Refused;
 
 impl Node {
     /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are
-    /// obeyed; a malformed or refused frame changes nothing and is counted.
+    /// accepted; a malformed or refused frame changes nothing and is counted.
     #[inline(never)]
     pub fn handle_frame(&mut self, frame: &Frame) {
         let message = match self.accept(frame) {
@@ -23,7 +23,7 @@ impl Node {
             Ok(None) => return,
             Err(error) => return self.count(error),
         };
-        if self.obey(message).is_err() {
+        if self.handle(message).is_err() {
             self.count_refused();
         }
     }
@@ -45,7 +45,7 @@ impl Node {
         Ok(Some(message))
     }
 
-    fn obey(&mut self, message: ToDrive) -> Result<(), Refused> {
+    fn handle(&mut self, message: ToDrive) -> Result<(), Refused> {
         // A motor that starts now would be without control during the reboot.
         if self.pending.reboot {
             return Err(Refused);
@@ -93,7 +93,7 @@ impl Node {
             ToDrive::TriggerScope => self.scope.trigger(&self.parameters, self.board.tick_rate)?,
             ToDrive::DownloadScope => self.scope.download()?,
             #[cfg(feature = "update")]
-            ToDrive::Update(request) => self.obey_update(request)?,
+            ToDrive::Update(request) => self.handle_update_message(request)?,
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{ShaftScale, Signal};
-use crate::scope::{Block, Refusal, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
+use crate::scope::{Block, Refusal, SCOPE, ScopeReply, ScopeTask, Setup, State, Threshold, Trigger, period};
 use crate::units::quotient;
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ const BLOCKS: usize = 8;
 pub(super) struct ScopeLink {
     /// State that the scope last reported, or that the waiting request leads to.
     state: State,
-    request: Option<Request>,
+    request: Option<ScopeTask>,
     /// Arming was requested, and the scope has not answered yet.
     arms: bool,
     /// Address of the next block, while a download is under way.
@@ -68,11 +68,11 @@ impl ScopeLink {
 
     fn try_trigger(&mut self, parameters: &Parameters, tick_rate: u32) -> Result<(), Refusal> {
         match self.state {
-            State::Armed if self.request.is_none() => self.request = Some(Request::Force),
+            State::Armed if self.request.is_none() => self.request = Some(ScopeTask::Force),
             State::Idle | State::Done => {
                 let setup = setup(parameters, tick_rate).ok_or(Refusal::UnknownSignal)?;
                 setup.refusal(self.room)?;
-                self.request = Some(Request::Arm(setup));
+                self.request = Some(ScopeTask::Arm(setup));
                 self.stop_download();
                 (self.state, self.arms, self.words) = (State::Armed, true, 0);
             }
@@ -86,7 +86,7 @@ impl ScopeLink {
         let done = if self.state == State::Done { Ok(()) } else { Err(Refusal::NoRecord) };
         self.note(done)?;
         self.blocks.clear();
-        (self.expected, self.request) = (Some(0), Some(Request::Read));
+        (self.expected, self.request) = (Some(0), Some(ScopeTask::Read));
         Ok(())
     }
 
@@ -98,9 +98,9 @@ impl ScopeLink {
 
     /// Takes a report of the scope; returns true if it could not be armed. Blocks from before a restart of
     /// the download are not sent.
-    fn take(&mut self, report: Report) -> bool {
+    fn take(&mut self, report: ScopeReply) -> bool {
         match report {
-            Report::State(state, words) => {
+            ScopeReply::State(state, words) => {
                 let refused = core::mem::take(&mut self.arms) && state == State::Idle;
                 (self.state, self.words) = (state, words);
                 if refused {
@@ -108,11 +108,11 @@ impl ScopeLink {
                 }
                 refused
             }
-            Report::Room(room) => {
+            ScopeReply::Room(room) => {
                 self.room = Some(room);
                 false
             }
-            Report::Block(block) => {
+            ScopeReply::Block(block) => {
                 if self.expected == Some(block.address) && self.blocks.push_back(block).is_ok() {
                     self.expected = (!block.last).then_some(block.address.wrapping_add(3));
                 }
@@ -146,14 +146,14 @@ impl Node {
     }
 
     /// Takes a report of the scope.
-    pub fn handle_scope(&mut self, report: Report) {
+    pub fn handle_scope(&mut self, report: ScopeReply) {
         if self.scope.take(report) {
             self.count_refused();
         }
     }
 
     /// The next request to the scope.
-    pub fn poll_scope(&mut self) -> Option<Request> {
+    pub fn poll_scope(&mut self) -> Option<ScopeTask> {
         self.scope.request.take()
     }
 

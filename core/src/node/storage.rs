@@ -7,7 +7,7 @@ use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, Parameters, numb
 use crate::motor::guard::fault::FaultWord;
 use crate::motor::machine::event::Health;
 use crate::motor::machine::state::State;
-use crate::storage::{Opened, Part, Report, Request};
+use crate::storage::{FlashReply, FlashTask, Opened, Part};
 use serde::{Deserialize, Serialize};
 
 /// Shortest time between two stores by command, ms: limits the wear of the flash.
@@ -158,7 +158,7 @@ impl Node {
 
     /// Returns the next request to the flash; at most one is under way. Without a flash there is none.
     #[inline(never)]
-    pub fn poll_storage(&mut self) -> Option<Request> {
+    pub fn poll_storage(&mut self) -> Option<FlashTask> {
         if !self.flash.attached || self.flash.asked {
             return None;
         }
@@ -168,21 +168,21 @@ impl Node {
     }
 
     /// Takes the report on the last request.
-    pub fn handle_storage(&mut self, report: Report) {
+    pub fn handle_storage(&mut self, report: FlashReply) {
         self.flash.asked = false;
         match report {
-            Report::Opened(opened) => self.adopt(&opened),
-            Report::Stored { done, log } => {
+            FlashReply::Opened(opened) => self.adopt(&opened),
+            FlashReply::Stored { done, log } => {
                 self.log.set_memory(log);
                 self.finish_store(done);
             }
-            Report::Log { done, memory } => {
+            FlashReply::Log { done, memory } => {
                 self.log.set_memory(memory);
                 if !self.log.finish(done) {
                     self.set_store_faults(self.flash.health.store_faults | FaultWord::STORE_ABSENT);
                 }
             }
-            Report::Record(record) => self.log.handle_record(record),
+            FlashReply::Record(record) => self.log.handle_record(record),
         }
     }
 
@@ -260,13 +260,13 @@ impl Node {
         !self.flash.is_for_rest() || !self.status.state.is_driving()
     }
 
-    fn next_request(&mut self) -> Option<Request> {
+    fn next_request(&mut self) -> Option<FlashTask> {
         if self.flash.is_absent() {
             // The parameters of a flash that answers again may change everything: not while a motor is
             // driven.
             let quiet = matches!(self.status.state, State::Initialization | State::Standby | State::Fault);
             let due = quiet && self.flash.now >= self.flash.open_from;
-            return due.then_some(Request::Open);
+            return due.then_some(FlashTask::Open);
         }
         if self.may_store() {
             let is_due = self.flash.due.is_some_and(|due| self.flash.now >= due);
@@ -279,7 +279,7 @@ impl Node {
                     self.flash.due = None;
                 }
                 self.flash.storing = Some(storing);
-                return Some(Request::Store(self.kept(), storing.part));
+                return Some(FlashTask::Store(self.kept(), storing.part));
             }
         }
         if !self.flash.is_ready() {

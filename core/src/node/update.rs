@@ -2,8 +2,8 @@
 //! flash is written: starts are refused during the reception, and while an image is on trial.
 //!
 //! ```text
-//!  BEGIN            +-> Clear, Erase ... -> Write ... -> Sum ... -> Mark          requests to the shell, one at a time,
-//!  DATA ...  Node --+                                                             each answered by a report
+//!  BEGIN            +-> Clear, Erase ... -> Write ... -> Sum ... -> Mark          tasks of the shell, one at a time,
+//!  DATA ...  Node --+                                                             each answered by a reply
 //!  END              +<- STATUS: erasing, receiving, verifying, marked
 //! ```
 
@@ -63,9 +63,9 @@ impl Default for Condition {
     }
 }
 
-/// A request to the shell about the slot. Offsets are bytes from the slot's beginning.
+/// Task of the shell for the slot. Offsets are bytes from the slot's beginning.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Request {
+pub enum SlotTask {
     /// Remove the mark, if there is one.
     Clear,
     /// Erase a page.
@@ -96,9 +96,9 @@ pub enum Request {
     Confirm,
 }
 
-/// Report on a request.
+/// Reply to a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Report {
+pub enum SlotReply {
     /// Done.
     Done,
     /// The CRC-32 so far.
@@ -110,7 +110,7 @@ pub enum Report {
 /// The node's side of the slot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Update {
-    /// The slots; `None` without a shell that serves requests.
+    /// The slots; `None` without a shell that does the tasks.
     slots: Option<Slots>,
     state: UpdateState,
     code: UpdateCode,
@@ -121,7 +121,7 @@ pub(super) struct Update {
     /// Bytes that were received and are not written yet.
     held: Vec<u8, HELD, u8>,
     asked: Option<Asked>,
-    /// The request under way belongs to an update that is over.
+    /// The task under way belongs to an update that is over.
     stale: bool,
     /// A mark has been removed.
     cleared: bool,
@@ -211,11 +211,11 @@ impl Update {
     }
 
     /// The next request of an update under way.
-    fn next(&mut self) -> Option<(Asked, Request)> {
+    fn next(&mut self) -> Option<(Asked, SlotTask)> {
         let is_complete = self.received() == self.length;
         match self.state {
-            UpdateState::Erasing if !self.cleared => Some((Asked::Clear, Request::Clear)),
-            UpdateState::Erasing => Some((Asked::Erase, Request::Erase { offset: self.offset })),
+            UpdateState::Erasing if !self.cleared => Some((Asked::Clear, SlotTask::Clear)),
+            UpdateState::Erasing => Some((Asked::Erase, SlotTask::Erase { offset: self.offset })),
             UpdateState::Receiving | UpdateState::Verifying
                 if self.held.len() >= PIECE || (is_complete && !self.held.is_empty()) =>
             {
@@ -224,15 +224,15 @@ impl Update {
                 let _ = data.extend_from_slice(piece);
                 // There is room: a piece is a multiple of 32 bytes.
                 let _ = data.resize(data.len().next_multiple_of(32), 0xFF);
-                Some((Asked::Write, Request::Write { offset: self.written(), data }))
+                Some((Asked::Write, SlotTask::Write { offset: self.written(), data }))
             }
             UpdateState::Verifying if self.offset < self.length => {
-                Some((Asked::Sum, Request::Sum { offset: self.offset, length: self.summed() }))
+                Some((Asked::Sum, SlotTask::Sum { offset: self.offset, length: self.summed() }))
             }
-            UpdateState::Verifying => Some((Asked::Mark, Request::Mark { length: self.length })),
+            UpdateState::Verifying => Some((Asked::Mark, SlotTask::Mark { length: self.length })),
             _ => match self.wanted.take()? {
-                Asked::Confirm => Some((Asked::Confirm, Request::Confirm)),
-                _ => Some((Asked::Clear, Request::Clear)),
+                Asked::Confirm => Some((Asked::Confirm, SlotTask::Confirm)),
+                _ => Some((Asked::Clear, SlotTask::Clear)),
             },
         }
     }
@@ -279,7 +279,7 @@ impl Node {
     }
 
     /// Returns the next request about the slot; at most one is under way.
-    pub fn poll_update(&mut self) -> Option<Request> {
+    pub fn poll_update(&mut self) -> Option<SlotTask> {
         let waits = self.update.state == UpdateState::Erasing && self.flash.now() < self.update.due;
         if self.update.slots.is_none() || self.update.asked.is_some() || waits {
             return None;
@@ -295,15 +295,15 @@ impl Node {
     }
 
     /// Takes the report on the last request.
-    pub fn handle_update(&mut self, report: Report) {
+    pub fn handle_update(&mut self, report: SlotReply) {
         let Some(asked) = self.update.asked.take() else { return };
         if core::mem::take(&mut self.update.stale) {
             return;
         }
         match (report, asked) {
-            (Report::Failed(code), Asked::Confirm) => self.tell_update(code),
-            (Report::Failed(code), _) => self.end_update(code),
-            (Report::Sum(crc), Asked::Sum) => self.note_sum(crc),
+            (SlotReply::Failed(code), Asked::Confirm) => self.tell_update(code),
+            (SlotReply::Failed(code), _) => self.end_update(code),
+            (SlotReply::Sum(crc), Asked::Sum) => self.note_sum(crc),
             (_, Asked::Clear) if self.update.state == UpdateState::Erasing => self.update.cleared = true,
             (_, Asked::Clear) => self.end_update(UpdateCode::Aborted),
             (_, Asked::Erase) => self.note_erased(),
@@ -322,8 +322,8 @@ impl Node {
         }
     }
 
-    /// Obeys a message. A refused one is answered with the reason, so it is not counted.
-    pub(super) fn obey_update(&mut self, request: UpdateRequest) -> Result<(), Refused> {
+    /// Handles a message. A refused one is answered with the reason, so it is not counted.
+    pub(super) fn handle_update_message(&mut self, request: UpdateRequest) -> Result<(), Refused> {
         let Some(slots) = self.update.slots else { return Err(Refused) };
         let code = match request {
             UpdateRequest::Device => {

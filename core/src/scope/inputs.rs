@@ -17,7 +17,7 @@
 //! "Changed" is against the tick before; before the first, digital lines and skew are 0. Numbers of several
 //! words: low word first.
 
-use crate::motor::machine::event::{Command, Event, Request, SlowMeasurements};
+use crate::motor::machine::event::{Command, Event, RunRequest, SlowMeasurements};
 use crate::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 use crate::units::{Celsius, ElectricalSpeed, Volts};
 
@@ -231,10 +231,10 @@ fn read_note(words: &mut In<'_>) -> Option<Note> {
     Some(match (kind, detail) {
         (0, request) => {
             let request = match request {
-                0 => Request::Standby,
-                1 => Request::Drive,
-                2 => Request::Reverse,
-                3 => Request::Shutdown,
+                0 => RunRequest::Standby,
+                1 => RunRequest::Drive,
+                2 => RunRequest::Reverse,
+                3 => RunRequest::Shutdown,
                 _ => return None,
             };
             Note::Command(Command { request, speed: speed()? })

@@ -1,7 +1,7 @@
 //! The background's half of the scope: it keeps the memory while the control tick's half does not need it.
 
 use super::memory::Memory;
-use super::{Answer, Order, Report, Request, SCOPE, Setup, State};
+use super::{Answer, Order, SCOPE, ScopeReply, ScopeTask, Setup, State};
 use core::borrow::BorrowMut;
 
 /// Stands between the node and the [`Scope`](super::Scope). `H` holds the memory.
@@ -36,16 +36,16 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
     }
 
     /// Takes a request of the node, once the order before was taken.
-    pub fn handle(&mut self, request: Request) {
+    pub fn handle(&mut self, request: ScopeTask) {
         match request {
-            Request::Arm(setup) => {
+            ScopeTask::Arm(setup) => {
                 // An armed scope cannot be armed again.
                 if !self.lent {
                     self.arm(&setup);
                 }
             }
-            Request::Force => self.order = Some(Order::Force),
-            Request::Read => {
+            ScopeTask::Force => self.order = Some(Order::Force),
+            ScopeTask::Read => {
                 if let Some(memory) = self.memory() {
                     memory.read();
                 }
@@ -91,14 +91,17 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
     }
 
     /// Takes the next report for the node. Call only if the node can take it.
-    pub fn poll_report(&mut self) -> Option<Report> {
+    pub fn poll_report(&mut self) -> Option<ScopeReply> {
         if let Some(room) = self.room.take() {
-            return Some(Report::Room(room));
+            return Some(ScopeReply::Room(room));
         }
         if !self.told {
             self.told = true;
-            return Some(Report::State(self.state, self.memory().map_or(0, |memory| memory.record_words())));
+            return Some(ScopeReply::State(
+                self.state,
+                self.memory().map_or(0, |memory| memory.record_words()),
+            ));
         }
-        self.memory()?.next().map(Report::Block)
+        self.memory()?.next().map(ScopeReply::Block)
     }
 }

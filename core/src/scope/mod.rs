@@ -3,10 +3,10 @@
 //! recording that can be replayed bit for bit.
 //!
 //! ```text
-//!               Request              Order, with the memory
+//!              ScopeTask             Order, with the memory
 //!   Node ---------------> Keeper ---------------------------> Scope, beside the Drive in the control tick's half
 //!        <---------------        <---------------------------
-//!          Report, Blocks          Answer, with the memory
+//!             ScopeReply             Answer, with the memory
 //! ```
 //!
 //! The memory has one owner at any time: the scope while armed, the keeper in the background when done. The
@@ -32,9 +32,9 @@ use serde::{Deserialize, Serialize};
 pub(crate) const SCOPE: bool = cfg!(feature = "scope");
 const RECORDER: bool = cfg!(feature = "recorder");
 
-/// Request of the node.
+/// Task of the node for the scope.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Request {
+pub enum ScopeTask {
     /// Wait for a trigger. The last record is lost.
     Arm(Setup),
     /// Do not wait any longer.
@@ -43,9 +43,9 @@ pub enum Request {
     Read,
 }
 
-/// Report to the node.
+/// Reply to the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Report {
+pub enum ScopeReply {
     /// Present state, and the number of words of a record that can be read.
     State(State, u16),
     /// Part of the record.

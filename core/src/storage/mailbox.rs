@@ -1,6 +1,6 @@
 //! Mailbox between node and storage in a loop that polls: one request there, one report back.
 
-use super::{Report, Request, Storage};
+use super::{FlashReply, FlashTask, Storage};
 use core::cell::RefCell;
 use core::future::poll_fn;
 use core::task::Poll;
@@ -15,8 +15,8 @@ pub struct Mailbox(RefCell<Letter>);
 enum Letter {
     #[default]
     Nothing,
-    Request(Request),
-    Report(Report),
+    Task(FlashTask),
+    Reply(FlashReply),
 }
 
 impl Mailbox {
@@ -26,14 +26,14 @@ impl Mailbox {
     }
 
     /// Hands over a request. It replaces a request or report that has not been taken; a node never does that.
-    pub fn ask(&self, request: Request) {
-        self.put(Letter::Request(request));
+    pub fn ask(&self, request: FlashTask) {
+        self.put(Letter::Task(request));
     }
 
     /// The report, once there is one.
-    pub fn take_report(&self) -> Option<Report> {
-        match self.take(|letter| matches!(letter, Letter::Report(_)))? {
-            Letter::Report(report) => Some(report),
+    pub fn take_report(&self) -> Option<FlashReply> {
+        match self.take(|letter| matches!(letter, Letter::Reply(_)))? {
+            Letter::Reply(report) => Some(report),
             _ => None,
         }
     }
@@ -43,7 +43,7 @@ impl Mailbox {
         loop {
             let request = poll_fn(|_| self.take_request().map_or(Poll::Pending, Poll::Ready)).await;
             let report = storage.execute(request).await;
-            self.put(Letter::Report(report));
+            self.put(Letter::Reply(report));
         }
     }
 
@@ -55,13 +55,13 @@ impl Mailbox {
             storage.begin(request);
         }
         if let Some(report) = storage.step() {
-            self.put(Letter::Report(report));
+            self.put(Letter::Reply(report));
         }
     }
 
-    fn take_request(&self) -> Option<Request> {
-        match self.take(|letter| matches!(letter, Letter::Request(_)))? {
-            Letter::Request(request) => Some(request),
+    fn take_request(&self) -> Option<FlashTask> {
+        match self.take(|letter| matches!(letter, Letter::Task(_)))? {
+            Letter::Task(request) => Some(request),
             _ => None,
         }
     }

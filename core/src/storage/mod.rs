@@ -2,12 +2,12 @@
 //! the code's own flash.
 //!
 //! ```text
-//!  Node --- Request --> Storage::execute --> flash        one request at a time, each of bounded length
-//!       <-- Report ---  CodeFlash::step
+//!  Node --- FlashTask --> Storage::execute --> flash      one task at a time, each of bounded length
+//!       <-- FlashReply -- CodeFlash::step
 //! ```
 //!
 //! [`Storage`] waits for the flash asynchronously: in an executor, or in a future that the background loop
-//! polls. The node never waits: it hands out a request, and gets the report later. `CodeFlash` (feature
+//! polls. The node never waits: it hands out a task, and gets the reply later. `CodeFlash` (feature
 //! `code-flash`) has nothing to wait for, because the processor stands still while its flash is written.
 
 mod blank;
@@ -38,10 +38,10 @@ use pair::{Buffers, Pair};
 use ring::{Failed, Key};
 use serde::{Deserialize, Serialize};
 
-/// A request of the node to the flash.
+/// Task of the node for the flash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a set is stored rarely, moves once, and there is no heap")]
-pub enum Request {
+pub enum FlashTask {
     /// Check whether the flash answers, and read its content.
     Open,
     /// Store a part of the parameters; both parts if a stored one did not fit, or if the flash had another
@@ -55,10 +55,10 @@ pub enum Request {
     Erase,
 }
 
-/// Report on a request.
+/// Reply to a task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "as above")]
-pub enum Report {
+pub enum FlashReply {
     /// Content of the flash.
     Opened(Opened),
     /// The parameters are stored, read back and mirrored, or not.
@@ -136,37 +136,37 @@ impl<F: NorFlash> Storage<F> {
     }
 
     /// Executes one step of a request: a store, a record, a piece of an erase.
-    pub async fn execute(&mut self, request: Request) -> Report {
+    pub async fn execute(&mut self, request: FlashTask) -> FlashReply {
         match request {
-            Request::Open => Report::Opened(self.open().await),
-            Request::Store(parameters, part) => {
+            FlashTask::Open => FlashReply::Opened(self.open().await),
+            FlashTask::Store(parameters, part) => {
                 let done = self.store(&parameters, part).await.is_ok();
-                Report::Stored { done, log: self.memory() }
+                FlashReply::Stored { done, log: self.memory() }
             }
-            Request::Append(entry) => {
+            FlashTask::Append(entry) => {
                 let done = match &mut self.place {
                     Some(Place { log, pair, .. }) => {
                         log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
                     }
                     _ => Err(Failed),
                 };
-                Report::Log { done: done.is_ok(), memory: self.memory() }
+                FlashReply::Log { done: done.is_ok(), memory: self.memory() }
             }
-            Request::Read(index) => {
+            FlashTask::Read(index) => {
                 let found = match &self.place {
                     Some(place) => place.log.read(&mut self.flash, index).await,
                     _ => Err(Failed),
                 };
-                Report::Record(found.unwrap_or(None))
+                FlashReply::Record(found.unwrap_or(None))
             }
-            Request::Erase => {
+            FlashTask::Erase => {
                 let done = match &mut self.place {
                     Some(Place { log, pair, labelled: true, .. }) => {
                         log.erase(&mut self.flash, pair, &mut self.buffers).await
                     }
                     _ => Err(Failed),
                 };
-                Report::Log { done: done.is_ok(), memory: self.memory() }
+                FlashReply::Log { done: done.is_ok(), memory: self.memory() }
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Fault, FaultSettings};
 use narx_core::motor::guard::protection::Evidence;
 use narx_core::motor::machine::event::{Health, SlowMeasurements};
-use narx_core::motor::machine::{Change, Request};
+use narx_core::motor::machine::{Change, RunRequest};
 use narx_core::motor::rotor::hall::HallEvents;
 use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
@@ -284,12 +284,12 @@ impl TryFrom<&narx_evidence_t> for Evidence {
 }
 
 /// Returns the request with this motor mode.
-pub(super) fn request(number: u8) -> Result<Request, narx_status_t> {
+pub(super) fn request(number: u8) -> Result<RunRequest, narx_status_t> {
     match number {
-        0 => Ok(Request::Standby),
-        1 => Ok(Request::Drive),
-        2 => Ok(Request::Reverse),
-        3 => Ok(Request::Shutdown),
+        0 => Ok(RunRequest::Standby),
+        1 => Ok(RunRequest::Drive),
+        2 => Ok(RunRequest::Reverse),
+        3 => Ok(RunRequest::Shutdown),
         _ => Err(NARX_ERROR_ARGUMENT),
     }
 }

@@ -60,7 +60,7 @@ pub struct narx_tx_node_report_t {
     pub encoder: u16,
     /// Code of the last error message; 0 before the first.
     pub last_error: u16,
-    /// Not 0: the node was heard within the last 5 s.
+    /// Not 0: a frame of the node was received within the last 5 s.
     pub present: u8,
     /// State in the last heartbeat; 255 before the first.
     pub state: u8,

@@ -19,7 +19,7 @@ use crate::message::{self, narx_message_t};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
-use narx_core::master::{Config, Heard, Master, SpeedLimit, SpeedLimits};
+use narx_core::master::{Config, Master, Received, SpeedLimit, SpeedLimits};
 
 /// 64-bit words of a master on any processor.
 pub const NARX_MASTER_WORDS: usize = 544;
@@ -56,7 +56,8 @@ pub struct narx_master_config_t {
     pub master: u8,
     /// Not 0: listens only and transmits nothing; default 0.
     pub silent: u8,
-    /// Not 0: reads every parameter when the drive is first heard, and after it was lost; default 1.
+    /// Not 0: reads every parameter when the first frame of the drive is received, and after it was lost;
+    /// default 1.
     pub read_parameters: u8,
     /// Number of times that a message is sent before it counts as not answered; default 3.
     pub attempts: u8,
@@ -66,8 +67,8 @@ pub struct narx_master_config_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_drive_report_t {
-    /// Not 0: the drive was heard within `lost_after` of narx_master_config_t, or within three of its
-    /// broadcast periods if that is longer.
+    /// Not 0: a frame of the drive was received within `lost_after` of narx_master_config_t, or within three
+    /// of its broadcast periods if that is longer.
     pub connected: u8,
     /// State: a narx_state_t, or 255 while unknown.
     pub state: u8,
@@ -210,8 +211,8 @@ pub struct narx_speed_limits_t {
 }
 
 /// Writes the limits of the set-point in the mode that the drive's parameters enable. Returns NARX_NOTHING
-/// before those parameters were heard (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters` of
-/// narx_master_config_t makes the master read them.
+/// before those parameters were received (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters`
+/// of narx_master_config_t makes the master read them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_speed_limits(
     master: *mut narx_master_t,
@@ -275,7 +276,7 @@ pub unsafe extern "C" fn narx_master_measurement(
     let run = || unsafe {
         let master = handle::object(master)?;
         let opcode = Opcode::new(kind).ok_or(NARX_ERROR_NOT_A_MESSAGE)?;
-        let Heard { value, at: when } = master.measurements().frame(opcode).ok_or(NARX_NOTHING)?;
+        let Received { value, at: when } = master.measurements().frame(opcode).ok_or(NARX_NOTHING)?;
         let frame = FromDrive::Measurement(value).encode(master.config().addresses);
         pointer::write(message, message::decode(&frame)?)?;
         pointer::write_unless_null(at, when)
@@ -283,9 +284,9 @@ pub unsafe extern "C" fn narx_master_measurement(
     pointer::status(run())
 }
 
-/// Writes the value of a parameter as last heard, raw, and the time of its reception (microseconds; `at` may
-/// be NULL). Returns NARX_NOTHING while it was not heard. It sends nothing on the bus; to read a parameter
-/// anew use NARX_REQUEST_KIND_READ.
+/// Writes the value of a parameter as last received, raw, and the time of its reception (microseconds; `at`
+/// may be NULL). Returns NARX_NOTHING while it was not received. It sends nothing on the bus; to read a
+/// parameter anew use NARX_REQUEST_KIND_READ.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_parameter(
     master: *mut narx_master_t,
@@ -295,9 +296,9 @@ pub unsafe extern "C" fn narx_master_parameter(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
-        let heard = handle::object(master)?.parameters().get(number).ok_or(NARX_NOTHING)?;
-        pointer::write(value, heard.value)?;
-        pointer::write_unless_null(at, heard.at)
+        let received = handle::object(master)?.parameters().get(number).ok_or(NARX_NOTHING)?;
+        pointer::write(value, received.value)?;
+        pointer::write_unless_null(at, received.at)
     };
     pointer::status(run())
 }
@@ -305,16 +306,16 @@ pub unsafe extern "C" fn narx_master_parameter(
 fn report(master: &Master, now: u64) -> narx_drive_report_t {
     const UNKNOWN: u8 = u8::MAX;
     let report = master.report();
-    let status = report.status.map(|heard| heard.value);
-    let critical = report.critical.map(|heard| heard.value);
+    let status = report.status.map(|received| received.value);
+    let critical = report.critical.map(|received| received.value);
     narx_drive_report_t {
         connected: master.is_connected(now).into(),
         state: master.state().map_or(UNKNOWN, |state| state as u8),
         motor_mode: status.map_or(UNKNOWN, |status| status.mode as u8),
         control_mode: status.map_or(UNKNOWN, |status| status.control as u8),
-        accepted_speed: report.accepted_speed.map_or(0, |heard| heard.value),
-        speed: master.speed().map_or(0, |heard| heard.value),
-        faults: report.faults.map_or(0, |heard| heard.value.bits()),
+        accepted_speed: report.accepted_speed.map_or(0, |received| received.value),
+        speed: master.speed().map_or(0, |received| received.value),
+        faults: report.faults.map_or(0, |received| received.value.bits()),
         critical: critical.map_or(0, |critical| critical.faults.bits()),
         cause: critical.map_or(0, |critical| critical.code),
     }

@@ -73,7 +73,7 @@ fn settle_slots<F: NorFlash, S: Signatory>(
     map: &Map,
     board: &Board<S>,
 ) -> Result<Outcome, NorFlashErrorKind> {
-    let mut event = heed_mark(flash, map, board)?;
+    let mut event = handle_mark(flash, map, board)?;
     let mut active = board.verify(flash, map.active.clone())?;
     if active.is_err() && event == Event::Swapped {
         // It was verified before it was moved, so the flash has lost a bit since: back at once.
@@ -87,7 +87,7 @@ fn settle_slots<F: NorFlash, S: Signatory>(
     })
 }
 
-fn heed_mark<F: NorFlash, S: Signatory>(
+fn handle_mark<F: NorFlash, S: Signatory>(
     flash: &mut F,
     map: &Map,
     board: &Board<S>,

@@ -7,7 +7,7 @@ use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 use narx_core::bus::narmotion::update::{ImageVersion, UpdateCode};
-use narx_core::node::update::{self, Report, Request, Slots};
+use narx_core::node::update::{self, SlotReply, SlotTask, Slots};
 
 /// Without a table: a kilobyte of flash is more than the milliseconds that it saves.
 static CRC32: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -51,20 +51,20 @@ impl<F: NorFlash> Server<F> {
     }
 
     /// Does what the node asks for.
-    pub fn execute(&mut self, request: &Request) -> Report {
+    pub fn execute(&mut self, request: &SlotTask) -> SlotReply {
         let done = match request {
-            Request::Clear => self.slot.begin(),
-            Request::Erase { offset } => self.slot.erase(*offset),
-            Request::Write { offset, data } => self.slot.write(*offset, data),
-            Request::Mark { length } => self.slot.inspect(*length).and_then(|_| self.slot.mark()),
-            Request::Confirm => self.slot.confirm(),
-            Request::Sum { offset, length } => {
+            SlotTask::Clear => self.slot.begin(),
+            SlotTask::Erase { offset } => self.slot.erase(*offset),
+            SlotTask::Write { offset, data } => self.slot.write(*offset, data),
+            SlotTask::Mark { length } => self.slot.inspect(*length).and_then(|_| self.slot.mark()),
+            SlotTask::Confirm => self.slot.confirm(),
+            SlotTask::Sum { offset, length } => {
                 return self
                     .sum(*offset, *length)
-                    .map_or_else(|error| Report::Failed(error.into()), Report::Sum);
+                    .map_or_else(|error| SlotReply::Failed(error.into()), SlotReply::Sum);
             }
         };
-        done.map_or_else(|error| Report::Failed(error.into()), |()| Report::Done)
+        done.map_or_else(|error| SlotReply::Failed(error.into()), |()| SlotReply::Done)
     }
 
     /// The slots.

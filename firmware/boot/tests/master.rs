@@ -72,7 +72,7 @@ fn an_image_that_cannot_be_is_not_sent() {
 
 #[test]
 fn a_refusal_of_the_drive_is_the_end() {
-    // An image that the bootloader does not believe: the drive runs the old one, and the master hears why.
+    // An image that the bootloader does not believe: the drive runs the old one, and the master receives why.
     let mut bytes = Hasty::image(NEW, 1000);
     bytes[1000] ^= 1;
     let mut refused = wire(bytes);

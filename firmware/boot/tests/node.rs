@@ -33,7 +33,7 @@ fn it_tells_what_it_takes() {
     drive.tell(UpdateRequest::Device);
     drive.tell(UpdateRequest::Version);
     let device = UpdateAnswer::Device { hardware: HARDWARE, room: MAP.room() };
-    assert_eq!(drive.heard(), [device, UpdateAnswer::Version(OLD.into())]);
+    assert_eq!(drive.received(), [device, UpdateAnswer::Version(OLD.into())]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn an_end_before_the_end_tells_what_is_missing() {
     assert_eq!((said(status), status.offset), ((UpdateState::Receiving, UpdateCode::Sequence), 0));
 }
 
-/// A motor that is asked for does not start beside a flash that is written; what stops it is heard.
+/// A motor that is asked for does not start beside a flash that is written; what stops it is received.
 #[test]
 fn no_start_while_it_receives() {
     let mut drive = Drive::new(factory());
@@ -240,13 +240,13 @@ fn a_trial_ends_by_itself() {
     drive.run(59_900);
     let mut restarts = (0..200).map(|_| {
         // A drive restarts when its bus has taken what it had to say.
-        drive.heard();
+        drive.received();
         drive.pass()
     });
     assert!(restarts.any(|restarts| restarts));
     drive.reboot();
     drive.tell(UpdateRequest::Version);
-    assert_eq!(drive.heard(), [UpdateAnswer::Version(OLD.into())]);
+    assert_eq!(drive.received(), [UpdateAnswer::Version(OLD.into())]);
     assert_eq!(said(drive.ask(UpdateRequest::Status)), (UpdateState::Idle, UpdateCode::Reverted));
 }
 
@@ -259,7 +259,7 @@ fn a_confirmed_image_stays() {
     drive.run(70_000);
     drive.reboot();
     drive.tell(UpdateRequest::Version);
-    assert_eq!(drive.heard(), [UpdateAnswer::Version(NEW.into())]);
+    assert_eq!(drive.received(), [UpdateAnswer::Version(NEW.into())]);
     drive.request(MotorMode::Drive);
     let mut events = std::iter::from_fn(|| drive.node.poll_event());
     assert!(events.any(|event| matches!(event, Event::Command(_))));
@@ -298,7 +298,7 @@ proptest! {
                 _ => UpdateRequest::Data { block: value as u16 % 40, data: [value as u8; 6] },
             });
             drive.run(wait * 5);
-            for answer in drive.heard() {
+            for answer in drive.received() {
                 if let UpdateAnswer::Status(status) = answer {
                     prop_assert!(status.window <= 32);
                 }

@@ -77,7 +77,7 @@ impl Drive {
     }
 
     /// Everything of programming that it has said, in order.
-    pub(crate) fn heard(&mut self) -> Vec<UpdateAnswer> {
+    pub(crate) fn received(&mut self) -> Vec<UpdateAnswer> {
         let frames = std::iter::from_fn(|| self.node.poll_frame());
         let messages = frames.map(|frame| FromDrive::decode(&frame).unwrap().1);
         messages
@@ -90,9 +90,9 @@ impl Drive {
 
     /// Sends a request and returns the drive's last status after it.
     pub(crate) fn ask(&mut self, request: UpdateRequest) -> UpdateStatus {
-        self.heard();
+        self.received();
         self.tell(request);
-        match self.heard().last() {
+        match self.received().last() {
             Some(UpdateAnswer::Status(status)) => *status,
             other => panic!("{request:?}: {other:?}"),
         }
@@ -100,7 +100,7 @@ impl Drive {
 
     /// Frames that it has refused: parameter 274, as a master reads it.
     pub(crate) fn refused(&mut self) -> i32 {
-        self.heard();
+        self.received();
         let read = ToDrive::RequestParameter { number: number::REFUSED_FRAMES };
         self.node.handle_frame(&read.encode(Addresses::FACTORY));
         let answer = self.node.poll_frame().and_then(|frame| FromDrive::decode(&frame).ok());

@@ -41,7 +41,8 @@ mod image {
     use narx_core::node::Node;
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
     use narx_core::scope::{
-        Answer, Keeper, Memory, Order, Request, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS,
+        Answer, Keeper, Memory, Order, Scope, ScopeTask, Setup, State as ScopeState, Threshold, Trigger,
+        WORDS,
     };
     use narx_core::storage::{Mailbox, Storage};
     use narx_firmware::boards::qemu::instructions::{self, Sum};
@@ -259,7 +260,7 @@ mod image {
                 return None;
             }
             MEMORY.with(|place| self.keeper = place.take().map(Keeper::new).unwrap_or_default());
-            self.keeper.handle(Request::Arm(setup(INPUTS)));
+            self.keeper.handle(ScopeTask::Arm(setup(INPUTS)));
             self.wait = 500;
             self.keeper.poll_order()
         }

@@ -42,7 +42,7 @@ mod image {
     use narx_core::node::Identity;
     use narx_core::recording::{Recording, Replayable, replay_with};
     use narx_core::scope::Memory;
-    use narx_core::storage::{Mailbox, Report, Request as Asked, Storage};
+    use narx_core::storage::{FlashReply, FlashTask, Mailbox, Storage};
     use narx_firmware::boards::qemu::flash::Chip;
     use narx_firmware::boards::qemu::stack::used;
     use narx_firmware::boards::qemu::{MOTOR, semihosting};
@@ -141,7 +141,8 @@ mod image {
         if pin!(storage.format(&parameters)).poll(&mut context).is_pending() {
             return None;
         }
-        let Poll::Ready(Report::Opened(opened)) = pin!(storage.execute(Asked::Open)).poll(&mut context)
+        let Poll::Ready(FlashReply::Opened(opened)) =
+            pin!(storage.execute(FlashTask::Open)).poll(&mut context)
         else {
             return None;
         };

@@ -145,8 +145,8 @@ mod image {
 
         fn apply(&mut self, _: Outputs) {}
 
-        fn serve_update(&mut self, _: &update::Request) -> update::Report {
-            update::Report::Done
+        fn serve_update(&mut self, _: &update::SlotTask) -> update::SlotReply {
+            update::SlotReply::Done
         }
 
         fn feed_watchdog(&mut self) {}

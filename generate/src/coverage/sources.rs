@@ -216,7 +216,7 @@ mod tests_of_the_search {
     use super::*;
 
     const FILE: &str = "
-        impl<S: Sink> Recorder<S> { pub(super) fn obey(&mut self) { self.follow(message); let speed = 3; } }
+        impl<S: Sink> Recorder<S> { pub(super) fn handle(&mut self) { self.follow(message); let speed = 3; } }
         pub enum ToDrive { TriggerScope, Command(Command) } // enum Comment
         bitflags! { pub struct FaultWord: u32 { const OVER_VOLTAGE = 1 << 2; } }
         const TEXT: &str = \"fn text() {}\";
@@ -235,7 +235,7 @@ mod tests_of_the_search {
         let files = BTreeMap::from([("a.rs".to_owned(), items(FILE).unwrap())]);
         let sources = Sources { files, vectors: BTreeMap::new() };
         let there =
-            ["obey", "ToDrive::TriggerScope", "ToDrive::Command", "FaultWord::OVER_VOLTAGE", "number::B"];
+            ["accept", "ToDrive::TriggerScope", "ToDrive::Command", "FaultWord::OVER_VOLTAGE", "number::B"];
         let absent = ["follow", "speed", "Comment", "text", "ToDrive::OVER_VOLTAGE", "number::D"];
         for item in there.iter().chain(&absent) {
             assert_eq!(sources.has_item(&format!("a.rs {item}")), there.contains(item), "{item}");

@@ -63,7 +63,7 @@ impl Trial {
         }
         self.bench.step();
         while self.bench.receive().is_some() {}
-        while self.bench.overhear().is_some() {}
+        while self.bench.monitor().is_some() {}
         self.seen = self.bench.plant().observe();
         self.peak = self.peak.max(self.seen.peak_current);
         self.bus_highest = self.bus_highest.max(self.seen.bus_voltage);

@@ -59,9 +59,9 @@ pub fn run(scenario: &Scenario) -> Run {
             seen.note(bench.status());
         }
         while bench.receive().is_some() {}
-        while let Some(heard) = bench.overhear() {
-            if heard.sender != bench.host() {
-                seen.note_sent(heard.frame.id());
+        while let Some(received) = bench.monitor() {
+            if received.sender != bench.host() {
+                seen.note_sent(received.frame.id());
             }
         }
     }

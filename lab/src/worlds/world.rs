@@ -307,9 +307,9 @@ impl World {
         }
         while self.bench.receive_as_other().is_some() {}
         let address = self.bench.node().addresses().drive;
-        while let Some(heard) = self.bench.overhear() {
+        while let Some(received) = self.bench.monitor() {
             self.frames += 1;
-            Watch::frame(&heard.frame, address)?;
+            Watch::frame(&received.frame, address)?;
         }
         while let Some(answer) = self.master.poll_answer() {
             self.answer = Some(answer);

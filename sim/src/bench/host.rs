@@ -24,7 +24,7 @@ impl Bench {
     }
 
     /// The next frame that passed on the bus, whoever sent it.
-    pub fn overhear(&mut self) -> Option<Received> {
+    pub fn monitor(&mut self) -> Option<Received> {
         self.bus.receive(self.monitor)
     }
 

@@ -105,7 +105,7 @@ impl BenchNode {
         self.node.handle_health(health);
     }
 
-    pub(crate) fn handle_storage(&mut self, report: storage::Report) {
+    pub(crate) fn handle_storage(&mut self, report: storage::FlashReply) {
         told!(self, NodeCall::Storage(report.clone()));
         self.node.handle_storage(report);
     }
@@ -118,7 +118,7 @@ impl BenchNode {
         asked!(self, PollBulkFrame, self.node.poll_bulk_frame())
     }
 
-    pub(crate) fn poll_storage(&mut self) -> Option<storage::Request> {
+    pub(crate) fn poll_storage(&mut self) -> Option<storage::FlashTask> {
         asked!(self, PollStorage, self.node.poll_storage())
     }
 
@@ -144,13 +144,13 @@ impl BenchNode {
     }
 
     #[cfg(feature = "update")]
-    pub(crate) fn handle_update(&mut self, report: update::Report) {
+    pub(crate) fn handle_update(&mut self, report: update::SlotReply) {
         told!(self, NodeCall::Update(report));
         self.node.handle_update(report);
     }
 
     #[cfg(feature = "update")]
-    pub(crate) fn poll_update(&mut self) -> Option<update::Request> {
+    pub(crate) fn poll_update(&mut self) -> Option<update::SlotTask> {
         asked!(self, PollUpdate, self.node.poll_update())
     }
 }
@@ -165,7 +165,7 @@ impl DeviceNode for BenchNode {
         self.node.takes_scope_report()
     }
 
-    fn handle_scope(&mut self, report: scope::Report) {
+    fn handle_scope(&mut self, report: scope::ScopeReply) {
         told!(self, NodeCall::Scope(report));
         self.node.handle_scope(report);
     }
@@ -183,7 +183,7 @@ impl DeviceNode for BenchNode {
         asked!(self, PollEvent, self.node.poll_event())
     }
 
-    fn poll_scope(&mut self) -> Option<scope::Request> {
+    fn poll_scope(&mut self) -> Option<scope::ScopeTask> {
         asked!(self, PollScope, self.node.poll_scope())
     }
 }

@@ -172,12 +172,12 @@ impl Lines {
 /// Participation of an adapter in the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Channel {
-    /// Neither hears nor is heard.
+    /// Neither receives nor is received.
     #[default]
     Closed,
-    /// Hears.
+    /// Receives.
     ListenOnly,
-    /// Hears and sends.
+    /// Receives and sends.
     Open,
 }
 
@@ -236,7 +236,7 @@ impl Adapter {
     pub fn handle_byte(&mut self, byte: u8) -> Option<Answer> {
         let line = self.lines.push(byte)?;
         let command = line.as_deref().and_then(Command::decode);
-        Some(command.and_then(|command| self.obey(command)).unwrap_or_else(|| {
+        Some(command.and_then(|command| self.handle(command)).unwrap_or_else(|| {
             let mut reply = Line::new();
             let _ = reply.push(NO);
             Answer { reply, frame: None }
@@ -254,7 +254,7 @@ impl Adapter {
         self.lost = true;
     }
 
-    fn obey(&mut self, command: Command) -> Option<Answer> {
+    fn handle(&mut self, command: Command) -> Option<Answer> {
         let closed = self.settings.channel == Channel::Closed;
         let mut answer = Answer { reply: line(b""), frame: None };
         match command {

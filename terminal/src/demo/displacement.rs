@@ -41,7 +41,7 @@ struct Station {
 #[derive(Clone, Copy, PartialEq)]
 enum Progress {
     /// Its boot-up message has not arrived.
-    Unheard,
+    Waiting,
     /// Writes are under way.
     Configuring(usize),
     Started,
@@ -71,7 +71,7 @@ impl Displacement {
             config.sensors = [EddyCurrentConfig::new(RANGE, target); 2];
             bench.add_tx_driver(&config)?;
             let master = TxMaster::new(Config::new(node, LAYOUT));
-            stations.push(Station { node, master, progress: Progress::Unheard, samples: Vec::new() });
+            stations.push(Station { node, master, progress: Progress::Waiting, samples: Vec::new() });
         }
         let signals: Vec<Signal> = (1..=count)
             // Leaked: the names are needed as long as the program runs.
@@ -95,9 +95,9 @@ impl Displacement {
     }
 
     /// Takes a frame that has passed on the bus.
-    pub(super) fn hear(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
+    pub(super) fn receive(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
         for station in &mut self.stations {
-            station.hear(frame, time_ns, bench);
+            station.receive(frame, time_ns, bench);
         }
     }
 
@@ -129,7 +129,7 @@ impl Station {
     /// Configures the node when it is present, and starts it when everything is written.
     fn advance(&mut self, count: u32) {
         match self.progress {
-            Progress::Unheard if self.master.report().boots > 0 => {
+            Progress::Waiting if self.master.report().boots > 0 => {
                 let writes = [
                     (Entry::Filter1, FILTER_1_KHZ),
                     (Entry::NrOfNodes, count),
@@ -150,11 +150,11 @@ impl Station {
                     self.progress = Progress::Started;
                 }
             }
-            Progress::Unheard | Progress::Started => {}
+            Progress::Waiting | Progress::Started => {}
         }
     }
 
-    fn hear(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
+    fn receive(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
         let id = frame.id();
         if id.is_extended() || id.raw() & 0x7F != u32::from(self.node.raw()) {
             return;
@@ -247,7 +247,7 @@ impl fmt::Display for Figures {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Arguments, Request, Run};
+    use super::super::{Arguments, Run, Settings};
     use super::*;
 
     /// The column has the positions of the log's frames, row by row up to the last. The drivers were
@@ -256,9 +256,9 @@ mod tests {
     #[test]
     fn columns_are_what_the_frames_say() {
         let words = ["--mode", "hall", "--rpm", "2000", "--tx-drivers", "2", "--seconds", "2"];
-        let request = Request::new(&Arguments::read(&words).unwrap()).unwrap();
-        let mut run = Run::new(&request).unwrap();
-        while run.session.bench().time() < request.seconds {
+        let settings = Settings::new(&Arguments::read(&words).unwrap()).unwrap();
+        let mut run = Run::new(&settings).unwrap();
+        while run.session.bench().time() < settings.seconds {
             run.step();
         }
         for sent in [" 601#22032000FFFF0000", " 602#2202200002000000", " 000#0101", " 000#0102"] {

@@ -1,7 +1,7 @@
 //! Figures that a run reached.
 
 use super::START;
-use super::request::Request;
+use super::settings::Settings;
 use narx_core::motor::State;
 use narx_sim::bench::Bench;
 use narx_sim::commissioning::Mode;
@@ -50,7 +50,7 @@ struct Steady {
 
 impl Figures {
     pub(super) fn new(
-        request: &Request,
+        settings: &Settings,
         bench: &Bench,
         mark: Option<Mark>,
         closed: Option<f64>,
@@ -60,11 +60,11 @@ impl Figures {
         let column =
             |name: &str| -> Vec<f64> { trace.column(name).map_or(Vec::new(), |c| c.iter().collect()) };
         let (time, speed, voltage) = (column("time"), column("speed"), column("bus_voltage"));
-        let target = f64::from(request.rpm);
+        let target = f64::from(settings.rpm);
         let along: Vec<f64> = speed.iter().map(|speed| speed * target.signum()).collect();
         let reached = along.iter().position(|speed| *speed >= 0.9 * target.abs());
         let highest = along.iter().copied().fold(0.0, f64::max);
-        let from = time.partition_point(|time| *time < request.steady_start());
+        let from = time.partition_point(|time| *time < settings.steady_start());
         let (low, high) = extent(&along[from.min(along.len())..]);
         let peak = column("peak_current").into_iter().fold(0.0, f64::max);
         let now = bench.plant().observe();
@@ -84,7 +84,7 @@ impl Figures {
             bus: extent(&voltage),
             steady: mark.map(|Mark(then)| Steady::between(&then, &now)),
         }
-        .for_mode(request.mode)
+        .for_mode(settings.mode)
     }
 
     /// Removes figures that do not apply: in open loop the rotor swings about the field, and overshoot, rise

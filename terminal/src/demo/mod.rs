@@ -3,9 +3,9 @@
 
 mod displacement;
 mod figures;
-mod request;
+mod settings;
 
-pub use request::Arguments;
+pub use settings::Arguments;
 
 use crate::plot::{self, Caption};
 use displacement::Displacement;
@@ -17,7 +17,7 @@ use narx_host::csv;
 use narx_sim::commutations::Commutations;
 use narx_sim::session::{Session, SessionConfig};
 use narx_sim::trace::Trace;
-use request::Request;
+use settings::Settings;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -27,18 +27,18 @@ use std::process::ExitCode;
 
 /// Runs the demonstration; invalid arguments give exit code 2 and one line.
 pub fn run(arguments: &Arguments) -> ExitCode {
-    let request = match Request::new(arguments) {
-        Ok(request) => request,
+    let settings = match Settings::new(arguments) {
+        Ok(settings) => settings,
         Err(refused) => {
             eprintln!("{refused}");
             return ExitCode::from(2);
         }
     };
-    match demonstrate(&request) {
+    match demonstrate(&settings) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("{}: {error}", request.out.display());
+            eprintln!("{}: {error}", settings.out.display());
             ExitCode::FAILURE
         }
     }
@@ -50,8 +50,8 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 /// Fails with one line about invalid arguments.
 pub fn session(arguments: &[&str]) -> Result<(SessionConfig, i32), String> {
     let arguments = Arguments::read(arguments).map_err(|error| error.to_string())?;
-    let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
-    Ok((request.session, request.rpm))
+    let settings = Settings::new(&arguments).map_err(|refused| refused.to_string())?;
+    Ok((settings.session, settings.rpm))
 }
 
 /// The picture of the demonstration with these arguments, as `run.svg` has it.
@@ -60,13 +60,13 @@ pub fn session(arguments: &[&str]) -> Result<(SessionConfig, i32), String> {
 /// Arguments that cannot be, or a run that cannot be drawn, in one line.
 pub fn picture(arguments: &[&str]) -> Result<String, String> {
     let arguments = Arguments::read(arguments).map_err(|error| error.to_string())?;
-    let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
-    let mut session = Session::new(&request.session).map_err(|error| error.to_string())?;
-    while session.bench().time() < request.seconds {
-        start_when_due(&mut session, request.rpm);
+    let settings = Settings::new(&arguments).map_err(|refused| refused.to_string())?;
+    let mut session = Session::new(&settings.session).map_err(|error| error.to_string())?;
+    while session.bench().time() < settings.seconds {
+        start_when_due(&mut session, settings.rpm);
         session.step();
     }
-    let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
+    let caption = Caption { title: &settings.title(), subtitle: &settings.subtitle() };
     plot::svg(&session.bench().trace(), None, &caption).map_err(|error| error.to_string())
 }
 
@@ -81,32 +81,32 @@ fn start_when_due(session: &mut Session, rpm: i32) {
 }
 
 /// Runs the demonstration; returns true if the motor still ran at the end and the recording replays.
-fn demonstrate(request: &Request) -> io::Result<bool> {
-    println!("{}", request.headline());
-    for note in &request.commissioning.notes {
+fn demonstrate(settings: &Settings) -> io::Result<bool> {
+    println!("{}", settings.headline());
+    for note in &settings.commissioning.notes {
         println!("  note: {note}");
     }
-    let mut run = Run::new(request).map_err(io::Error::other)?;
+    let mut run = Run::new(settings).map_err(io::Error::other)?;
     println!("\n{:>9}  state", "time");
-    while run.session.bench().time() < request.seconds {
+    while run.session.bench().time() < settings.seconds {
         run.step();
     }
     let mark = run.steady_from.take();
-    let figures = Figures::new(request, run.session.bench(), mark, run.closed, &run.commutations);
+    let figures = Figures::new(settings, run.session.bench(), mark, run.closed, &run.commutations);
     println!("\n{figures}");
     if let Some(displacement) = &run.displacement {
-        println!("{}", displacement.figures(request.steady_start(), request.seconds));
+        println!("{}", displacement.figures(settings.steady_start(), settings.seconds));
     }
-    write_files(request, &run)?;
+    write_files(settings, &run)?;
     let identical = replays(&run.session.bench().recording());
-    println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", request.out.display());
+    println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", settings.out.display());
     println!("replayed {} ticks from run.narxrec: {}", run.session.bench().now_ns() / 100_000, identical.1);
     Ok(figures.running() && identical.0)
 }
 
 /// A session with its log and the observations of the run.
 struct Run<'a> {
-    request: &'a Request,
+    settings: &'a Settings,
     session: Session,
     state: Option<State>,
     faults: u32,
@@ -120,14 +120,14 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(request: &'a Request) -> Result<Self, Box<dyn Error + Send + Sync>> {
-        let mut session = Session::new(&request.session)?;
-        let displacement = match request.tx_drivers {
+    fn new(settings: &'a Settings) -> Result<Self, Box<dyn Error + Send + Sync>> {
+        let mut session = Session::new(&settings.session)?;
+        let displacement = match settings.tx_drivers {
             0 => None,
             count => Some(Displacement::new(session.bench_mut(), count)?),
         };
         Ok(Self {
-            request,
+            settings,
             session,
             state: None,
             faults: 0,
@@ -140,21 +140,21 @@ impl<'a> Run<'a> {
     }
 
     fn step(&mut self) {
-        start_when_due(&mut self.session, self.request.rpm);
+        start_when_due(&mut self.session, self.settings.rpm);
         if let Some(displacement) = &mut self.displacement {
             displacement.send(self.session.bench_mut());
         }
         self.session.step();
-        while let Some(heard) = self.session.bench_mut().overhear() {
-            let _ = writeln!(self.log, "{}", candump::line(heard.time_ns, "can0", &heard.frame));
+        while let Some(received) = self.session.bench_mut().monitor() {
+            let _ = writeln!(self.log, "{}", candump::line(received.time_ns, "can0", &received.frame));
             if let Some(displacement) = &mut self.displacement {
-                displacement.hear(&heard.frame, heard.time_ns, self.session.bench());
+                displacement.receive(&received.frame, received.time_ns, self.session.bench());
             }
         }
         if let Some(displacement) = &mut self.displacement {
             displacement.keep();
         }
-        if self.steady_from.is_none() && self.session.bench().time() >= self.request.steady_start() {
+        if self.steady_from.is_none() && self.session.bench().time() >= self.settings.steady_start() {
             self.steady_from = Some(figures::Mark::new(self.session.bench()));
             self.commutations.clear();
         }
@@ -187,11 +187,11 @@ impl<'a> Run<'a> {
     }
 }
 
-fn write_files(request: &Request, run: &Run<'_>) -> io::Result<()> {
-    fs::create_dir_all(&request.out)?;
-    let file = |name: &str| request.out.join(name);
+fn write_files(settings: &Settings, run: &Run<'_>) -> io::Result<()> {
+    fs::create_dir_all(&settings.out)?;
+    let file = |name: &str| settings.out.join(name);
     let trace = run.session.bench().trace();
-    let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
+    let caption = Caption { title: &settings.title(), subtitle: &settings.subtitle() };
     let displacements = run.displacement.as_ref().map(Displacement::trace);
     let picture = plot::svg(&trace, displacements, &caption).map_err(io::Error::other)?;
     fs::write(file("run.svg"), picture)?;

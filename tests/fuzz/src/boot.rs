@@ -15,7 +15,7 @@ pub fn run(data: &[u8]) {
     }
     let mut life = Life { flash: blank(), tampered: false, booted: false, running: false };
     while !program.is_over() {
-        life.obey(&mut program);
+        life.handle(&mut program);
     }
     let [first, second] = [life.boot(), life.boot()];
     if life.tampered {
@@ -63,7 +63,7 @@ fn file(bytes: &[u8]) {
 }
 
 impl Life {
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         let what = program.byte();
         let slots = [MAP.active.start, MAP.dfu.start, MAP.dfu.start + 512];
         match what % 8 {

@@ -13,7 +13,7 @@ use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Edge, EdgeSource, Lines, Samples};
 use narx_core::node::{Action, Identity, SelfTests, SlowInputs};
 use narx_core::scope::Memory;
-use narx_core::storage::{Part, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Part, Storage};
 use narx_core::units::{Celsius, Volts};
 use watch::Watch;
 
@@ -89,7 +89,7 @@ fn live(world: &mut World, program: &mut Program<'_>, boot: u64) -> bool {
     let mut life = Life { tick, background, addresses, watch, now: 0, report: None, world };
     life.run(boot);
     while !program.is_over() && life.world.lived < LIFE {
-        life.obey(program);
+        life.handle(program);
         if life.watch.reboots {
             return true;
         }
@@ -106,13 +106,13 @@ struct Life<'q, 'm, 'w> {
     watch: Watch,
     now: u64,
     /// Report of the flash, and the time at which it is delivered.
-    report: Option<(u64, Report)>,
+    report: Option<(u64, FlashReply)>,
     world: &'w mut World,
 }
 
 impl Life<'_, '_, '_> {
     /// Runs one step of the program.
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         match program.byte() % 10 {
             0 => self.give(&program.frame()),
             1 => self.give(&message(program, self.addresses)),
@@ -183,13 +183,13 @@ impl Life<'_, '_, '_> {
     fn act(&mut self) {
         let node = self.background.node();
         while let Some(frame) = node.poll_frame() {
-            self.watch.heard(&frame);
+            self.watch.received(&frame);
         }
         // One frame of a download in three ticks: the pace of the bus.
         if self.now.is_multiple_of(3)
             && let Some(frame) = node.poll_bulk_frame()
         {
-            self.watch.heard(&frame);
+            self.watch.received(&frame);
         }
         self.watch.reboots |= node.poll_action() == Some(Action::Reboot);
     }
@@ -202,13 +202,13 @@ impl Life<'_, '_, '_> {
         }
         let Some(request) = self.background.node().poll_storage() else { return };
         assert!(self.report.is_none(), "one request at a time");
-        let asked = if let Request::Store(parameters, part) = &request {
+        let asked = if let FlashTask::Store(parameters, part) = &request {
             Some((parameters.clone(), *part))
         } else {
             None
         };
         let report = now(storage.execute(request));
-        if let (Some((parameters, part)), Report::Stored { done: true, .. }, Some(stored)) =
+        if let (Some((parameters, part)), FlashReply::Stored { done: true, .. }, Some(stored)) =
             (asked, &report, stored)
         {
             for (row, raw) in

@@ -32,7 +32,7 @@ pub fn run(data: &[u8]) {
         updates: false,
     };
     while !program.is_over() {
-        caller.obey(&mut program);
+        caller.handle(&mut program);
     }
     caller.finish();
 }
@@ -53,7 +53,7 @@ struct Caller {
 }
 
 impl Caller {
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         match program.byte() % 10 {
             0 => self.master.handle_frame(&program.frame(), self.now),
             1 => self.pass(u64::from(program.byte()) * 200),
@@ -123,7 +123,7 @@ impl Caller {
         }
     }
 
-    fn hear(&mut self, message: FromDrive) {
+    fn receive(&mut self, message: FromDrive) {
         self.master.handle_frame(&message.encode(Addresses::FACTORY), self.now);
         assert!(self.master.is_connected(self.now));
     }
@@ -158,7 +158,7 @@ impl Caller {
             }
             _ => return,
         };
-        self.hear(message);
+        self.receive(message);
     }
 
     fn stream(&mut self, kind: u8, address: u16, bytes: [u8; 6]) {
@@ -166,7 +166,7 @@ impl Caller {
         let data = [[a, b], [c, d], [e, f]].map(u16::from_be_bytes);
         // Mostly near the beginning, where a download is.
         let address = if kind & 0x80 != 0 { address } else { address & 0xFF };
-        self.hear(match kind % 3 {
+        self.receive(match kind % 3 {
             0 => FromDrive::XmlData { address, data },
             1 => FromDrive::ScopeData { address, data },
             _ => FromDrive::LogData { counter: address, data },
@@ -178,7 +178,7 @@ impl Caller {
             (0..values as u16).map(|what| (what, seed.wrapping_mul(u32::from(what) + 1) as i32)).collect();
         let record = Record::new(seed, &narx_core::storage::Entry { time: seed, values });
         for (place, data) in (0..).map_while(|place| record.frame(place)).enumerate() {
-            self.hear(FromDrive::LogData { counter: counter.wrapping_add(3 * place as u16), data });
+            self.receive(FromDrive::LogData { counter: counter.wrapping_add(3 * place as u16), data });
         }
     }
 
@@ -206,11 +206,11 @@ impl Caller {
                 self.updates |= taken;
             }
             1 => self.master.abort_update(),
-            2 => self.hear(FromDrive::Update(UpdateAnswer::Device {
+            2 => self.receive(FromDrive::Update(UpdateAnswer::Device {
                 hardware: u32::from(length & 7),
                 room: 2000,
             })),
-            3 => self.hear(FromDrive::Update(UpdateAnswer::Version(version))),
+            3 => self.receive(FromDrive::Update(UpdateAnswer::Version(version))),
             place => {
                 let state = [
                     UpdateState::Idle,
@@ -227,7 +227,7 @@ impl Caller {
                     window: length & 0x3F,
                     offset: u32::from(length >> 4),
                 };
-                self.hear(FromDrive::Update(UpdateAnswer::Status(status)));
+                self.receive(FromDrive::Update(UpdateAnswer::Status(status)));
             }
         }
     }

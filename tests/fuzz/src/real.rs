@@ -5,7 +5,7 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Download, Request};
 use narx_core::motor::State;
 use narx_core::recording::{Recording, Tick};
-use narx_core::storage::{Opened, Part, Report, Request as StorageRequest, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Opened, Part, Storage};
 use narx_sim::commissioning::Mode;
 use narx_sim::flash::{Flash, KBYTE_512, Sparse, finish};
 use narx_sim::presets::preset;
@@ -101,16 +101,16 @@ pub(crate) fn now<T>(future: impl Future<Output = T>) -> T {
 
 /// Content of the flash, as a drive finds it at power-up.
 pub(crate) fn open(storage: &mut Storage<Chip>) -> Opened {
-    match now(storage.execute(StorageRequest::Open)) {
-        Report::Opened(opened) => opened,
+    match now(storage.execute(FlashTask::Open)) {
+        FlashReply::Opened(opened) => opened,
         other => panic!("{other:?}"),
     }
 }
 
 /// Stores a part; returns whether it was stored.
 pub(crate) fn store(storage: &mut Storage<Chip>, parameters: &Parameters, part: Part) -> bool {
-    match now(storage.execute(StorageRequest::Store(parameters.clone(), part))) {
-        Report::Stored { done, .. } => done,
+    match now(storage.execute(FlashTask::Store(parameters.clone(), part))) {
+        FlashReply::Stored { done, .. } => done,
         other => panic!("{other:?}"),
     }
 }

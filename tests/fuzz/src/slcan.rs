@@ -34,9 +34,9 @@ pub fn run(data: &[u8]) {
         assert_eq!(answer.frame, sends);
         // In the other direction, with a time stamp if the host has requested one.
         let frame = sends.unwrap_or(Frame::full(Id::standard(0x123).expect("eleven bits"), [0xA5; 8]));
-        let heard = adapter.handle_frame(&frame, line.len() as u64 * 7_919);
-        assert_eq!(heard.is_some(), adapter.settings().channel != Channel::Closed);
-        if let Some(text) = heard {
+        let received = adapter.handle_frame(&frame, line.len() as u64 * 7_919);
+        assert_eq!(received.is_some(), adapter.settings().channel != Channel::Closed);
+        if let Some(text) = received {
             let (read, stamp) = decode_frame(&text[..text.len() - 1]).expect("our own line");
             assert_eq!((read, stamp.is_some()), (frame, adapter.settings().timestamps));
             assert_eq!(text, encode_frame(&frame, stamp));

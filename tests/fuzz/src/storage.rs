@@ -7,7 +7,7 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Coefficients};
 use narx_core::storage::layout::Layout;
-use narx_core::storage::{Entry, Opened, Part, Report, Request, Storage};
+use narx_core::storage::{Entry, FlashReply, FlashTask, Opened, Part, Storage};
 use narx_sim::flash::Tear;
 
 const CAPACITY: u32 = 512 << 10;
@@ -68,12 +68,12 @@ fn stores(chip: Chip) {
     assert!(store(&mut storage, &wanted, Part::Set) && store(&mut storage, &wanted, Part::Once));
     let entry = Entry { time: 7, values: [(1, -1)].into_iter().collect() };
     let before = open(&mut storage).log;
-    let appended = now(storage.execute(Request::Append(entry.clone())));
-    let Report::Log { done, memory } = appended else { panic!("{appended:?}") };
+    let appended = now(storage.execute(FlashTask::Append(entry.clone())));
+    let FlashReply::Log { done, memory } = appended else { panic!("{appended:?}") };
     if done {
         let newest = memory.written - 1;
-        let read = now(storage.execute(Request::Read(newest)));
-        let Report::Record(Some(record)) = read else { panic!("record {newest}: {read:?}") };
+        let read = now(storage.execute(FlashTask::Read(newest)));
+        let FlashReply::Record(Some(record)) = read else { panic!("record {newest}: {read:?}") };
         assert_eq!((record.index(), record.entry()), (newest, entry));
     } else {
         assert_eq!(memory.written, before.written);
@@ -126,10 +126,10 @@ fn cut(chip: &mut Chip, program: &mut Program<'_>) {
     let _ = parameters.set(number::SPEED_RATE, 1000 + i32::from(what));
     storage.flash().cut_after(steps.into(), tear);
     let request = match what >> 2 & 3 {
-        0 => Request::Store(parameters, Part::Set),
-        1 => Request::Store(parameters, Part::Once),
-        2 => Request::Append(Entry::default()),
-        _ => Request::Erase,
+        0 => FlashTask::Store(parameters, Part::Set),
+        1 => FlashTask::Store(parameters, Part::Once),
+        2 => FlashTask::Append(Entry::default()),
+        _ => FlashTask::Erase,
     };
     now(storage.execute(request));
     *chip = storage.into_flash();

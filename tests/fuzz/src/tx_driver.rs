@@ -26,7 +26,7 @@ pub fn run(data: &[u8]) {
         now: 0,
     };
     while !program.is_over() {
-        node.obey(&mut program);
+        node.handle(&mut program);
         node.check();
     }
 }
@@ -40,7 +40,7 @@ struct Node {
 }
 
 impl Node {
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         match program.byte() % 8 {
             0 => self.give(&program.frame()),
             // An SDO to this node: any command for an existing entry.
@@ -112,7 +112,7 @@ impl Node {
         );
         let mut sent = 0;
         while let Some(frame) = self.driver.poll_frame() {
-            self.heard(&frame);
+            self.received(&frame);
             sent += 1;
         }
         assert!(sent <= WAITING_MAX, "{sent} frames at once");
@@ -132,7 +132,7 @@ impl Node {
         twin.poll_frame().is_none()
     }
 
-    fn heard(&self, frame: &Frame) {
+    fn received(&self, frame: &Frame) {
         let (node, message) =
             FromNode::decode(frame, self.driver.layout()).expect("a message of such a node");
         assert_eq!((node, message.encode(node, self.driver.layout())), (self.driver.node(), *frame));

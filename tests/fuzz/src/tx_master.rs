@@ -22,7 +22,7 @@ pub fn run(data: &[u8]) {
         last: None,
     };
     while !program.is_over() {
-        caller.obey(&mut program);
+        caller.handle(&mut program);
     }
     caller.finish();
 }
@@ -38,7 +38,7 @@ struct Caller {
 }
 
 impl Caller {
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         match program.byte() % 7 {
             0 => self.master.handle_frame(&program.frame(), self.now),
             1 => self.pass(u64::from(program.byte()) * 500),
@@ -74,11 +74,11 @@ impl Caller {
                     _ => SdoOutcome::Aborted { code: data },
                 };
                 let index = request.index ^ u16::from(what >> 3 & 1);
-                self.hear(FromNode::Sdo(SdoAnswer { index, subindex: request.subindex, outcome }));
+                self.receive(FromNode::Sdo(SdoAnswer { index, subindex: request.subindex, outcome }));
             }
             5 => {
                 let state = NmtState::ALL[usize::from(program.byte() % 4)];
-                self.hear(FromNode::Heartbeat(state));
+                self.receive(FromNode::Heartbeat(state));
             }
             _ => {
                 let taken = self.master.poll_answer();
@@ -87,7 +87,7 @@ impl Caller {
         }
     }
 
-    fn hear(&mut self, message: FromNode) {
+    fn receive(&mut self, message: FromNode) {
         let frame = message.encode(self.node, self.master.config().layout);
         self.master.handle_frame(&frame, self.now);
         assert!(self.master.is_present(self.now));

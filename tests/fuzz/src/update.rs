@@ -20,7 +20,7 @@ pub fn run(data: &[u8]) {
     flash.load(MAP.active.start, &image(HARDWARE, version(8), 100));
     let mut drive = Drive::power_up(flash, version(8));
     while !program.is_over() {
-        drive.obey(&mut program);
+        drive.handle(&mut program);
     }
     drive.reboot();
 }
@@ -52,7 +52,7 @@ impl Drive {
         Self { node, server, now: 0, running, trial, state: State::Standby, active, sending: (Vec::new(), 0) }
     }
 
-    fn obey(&mut self, program: &mut Program<'_>) {
+    fn handle(&mut self, program: &mut Program<'_>) {
         let what = program.byte();
         match what % 10 {
             0 => self.tell(UpdateRequest::Begin {

@@ -38,20 +38,20 @@ enum Fate {
     /// Counted as refused (parameter 274), with the reason in parameter 306.
     Explained,
     /// Carried out, without an answer.
-    Obeyed,
+    Accepted,
     /// Carried out, and answered with this opcode.
     Answered(u16),
 }
 
 /// Type, opcode, and the reaction in Standby without flash, scope and slots.
 const MESSAGES: [(u32, u32, Fate); 24] = [
-    (1, 2, Fate::Obeyed),
+    (1, 2, Fate::Accepted),
     (1, 101, Fate::Answered(101)),
     (1, 102, Fate::Answered(102)),
-    (1, 103, Fate::Obeyed),
-    (1, 104, Fate::Obeyed),
+    (1, 103, Fate::Accepted),
+    (1, 104, Fate::Accepted),
     (1, 110, Fate::Answered(110)),
-    (1, 112, Fate::Obeyed),
+    (1, 112, Fate::Accepted),
     // Serial number 0 belongs to another board.
     (1, 113, Fate::Refused),
     (2, 0, Fate::Answered(0)),
@@ -132,21 +132,21 @@ fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
                     explained = true;
                 }
                 fate => {
-                    obeys(node, &frame, fate);
+                    accepts(node, &frame, fate);
                     continue;
                 }
             }
             node.handle_frame(&frame);
         }
     }
-    assert!(*node == twin, "a frame that is not obeyed has changed more than its counter");
+    assert!(*node == twin, "a frame that is not accepted has changed more than its counter");
     assert!(node.poll_frame().is_none(), "it has said something");
     let reason = node.read_parameter(number::SCOPE_REFUSAL);
     assert!(!explained || reason == Some(1), "a download without a record: {reason:?}");
     given
 }
 
-fn obeys(node: &Node, frame: &Frame, fate: Fate) {
+fn accepts(node: &Node, frame: &Frame, fate: Fate) {
     let mut fresh = node.clone();
     fresh.handle_frame(frame);
     let answers: Vec<u16> = std::iter::from_fn(|| fresh.poll_frame())

@@ -8,7 +8,7 @@ use narx_core::bus::narmotion::{Opcode, Signal};
 use narx_core::description::Measure;
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind};
 use narx_core::master::{
-    Described, DescribedField, DescribedParameter, DescribedSignal, DescriptionReader, Heard, Measurements,
+    Described, DescribedField, DescribedParameter, DescribedSignal, DescriptionReader, Measurements, Received,
 };
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_sim::engineering::Scale;
@@ -166,7 +166,7 @@ pub(crate) fn measurement_signals(tables: Option<&Tables>) -> Array {
 }
 
 /// Returns every measurement that was received, as `Measurement`.
-pub(crate) fn measurements(tables: Option<&Tables>, heard: &Measurements) -> Array {
+pub(crate) fn measurements(tables: Option<&Tables>, received: &Measurements) -> Array {
     let shape = |name: &str, unit: &str, value, at| {
         let shaped = Object::new();
         set(&shaped, "name", name);
@@ -178,17 +178,17 @@ pub(crate) fn measurements(tables: Option<&Tables>, heard: &Measurements) -> Arr
     match tables {
         Some(tables) => {
             let field = |row: &DescribedField| {
-                let Heard { value, at } = heard.frame(Opcode::new(row.opcode)?)?;
+                let Received { value, at } = received.frame(Opcode::new(row.opcode)?)?;
                 Some(shape(&row.name, &row.unit, row.value(value.encode()), at))
             };
             tables.measured().filter_map(field).collect()
         }
         None => {
-            let signal = |(row, heard): (&Signal, Option<Heard<_>>)| {
-                let Heard { value, at } = heard?;
+            let signal = |(row, received): (&Signal, Option<Received<_>>)| {
+                let Received { value, at } = received?;
                 Some(shape(row.name, unit(row.unit), value, at))
             };
-            heard.iter().filter_map(signal).collect()
+            received.iter().filter_map(signal).collect()
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::requests;
 use js_sys::{Array, Object, Uint8Array};
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, MotorMode, StatusWord};
-use narx_core::master::{Config, Download, Heard, Master as Core, SpeedLimits};
+use narx_core::master::{Config, Download, Master as Core, Received, SpeedLimits};
 use narx_wasm_values::error::{range_error, shown, whole};
 use narx_wasm_values::frame;
 use narx_wasm_values::options::{Options, set};
@@ -26,7 +26,7 @@ export interface MasterOptions {
     setpointPeriod?: number;
     /** Listens only and transmits nothing; default false. */
     silent?: boolean;
-    /** Reads every parameter in the background when the drive is first heard, and after an action that
+    /** Reads every parameter in the background when the first frame of the drive is received, and after an action that
      * changes many of them; default true. */
     readParameters?: boolean;
     /** Longest time until an answer, 0.001 to 10 s; default 0.1. */
@@ -119,7 +119,7 @@ pub struct Master {
     pub(crate) image: Vec<u8>,
     /// Tables from the drive's description; `None`: those of this package are used.
     pub(crate) tables: Option<Tables>,
-    /// Raw values, as last heard, of parameters that this package's tables do not have.
+    /// Raw values, as last received, of parameters that this package's tables do not have.
     pub(crate) others: BTreeMap<u16, i32>,
 }
 
@@ -210,7 +210,7 @@ impl Master {
     }
 
     /// Set-points that the drive accepts unchanged; `undefined` before the needed ones of `speedParameters`
-    /// were heard.
+    /// were received.
     #[wasm_bindgen(getter, js_name = speedLimits, unchecked_return_type = "SpeedLimits | undefined")]
     pub fn speed_limits(&self) -> JsValue {
         let Some(SpeedLimits { min, max }) = self.limits() else { return JsValue::UNDEFINED };
@@ -222,7 +222,7 @@ impl Master {
     }
 
     /// Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
-    /// names the limit's parameter and the range. Before the drive's limits were heard, only the range of
+    /// names the limit's parameter and the range. Before the drive's limits were received, only the range of
     /// MOTOR_CMD is checked.
     #[wasm_bindgen(js_name = checkSpeed)]
     pub fn check_speed(&self, rpm: f64) -> Result<(), JsValue> {
@@ -265,16 +265,16 @@ impl Master {
         self.core.config().silent
     }
 
-    /// True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
-    /// longer.
+    /// True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast
+    /// periods if that is longer.
     #[wasm_bindgen(getter)]
     pub fn connected(&self) -> bool {
         self.core.is_connected(self.now)
     }
 
-    /// Time at which any message of the drive was last heard, s.
-    #[wasm_bindgen(getter, js_name = lastHeard)]
-    pub fn last_heard(&self) -> Option<f64> {
+    /// Time at which any message of the drive was last received, s.
+    #[wasm_bindgen(getter, js_name = lastReceived)]
+    pub fn last_received(&self) -> Option<f64> {
         self.core.report().last.map(seconds)
     }
 
@@ -293,14 +293,14 @@ impl Master {
     /// Names of the set bits of FAULT_WORD; `undefined` before the first.
     #[wasm_bindgen(getter, unchecked_return_type = "FaultName[] | undefined")]
     pub fn faults(&self) -> JsValue {
-        let heard = self.core.report().faults;
-        heard.map_or(JsValue::UNDEFINED, |heard| faults(heard.value).into())
+        let received = self.core.report().faults;
+        received.map_or(JsValue::UNDEFINED, |received| faults(received.value).into())
     }
 
     /// The last CRITICAL_FAULT. `faults` shows whether it still holds.
     #[wasm_bindgen(getter, unchecked_return_type = "CriticalFault | undefined")]
     pub fn critical(&self) -> JsValue {
-        let Some(Heard { value, .. }) = self.core.report().critical else { return JsValue::UNDEFINED };
+        let Some(Received { value, .. }) = self.core.report().critical else { return JsValue::UNDEFINED };
         let shaped = Object::new();
         set(&shaped, "faults", faults(value.faults));
         set(&shaped, "code", value.code);
@@ -313,20 +313,20 @@ impl Master {
     /// The last STATUS_WORD (Table 8).
     #[wasm_bindgen(getter, unchecked_return_type = "DriveValues[\"STATUS_WORD\"] | undefined")]
     pub fn status(&self) -> JsValue {
-        let heard = self.core.report().status;
-        heard.map_or(JsValue::UNDEFINED, |heard| status(StatusWord::encode(heard.value)))
+        let received = self.core.report().status;
+        received.map_or(JsValue::UNDEFINED, |received| status(StatusWord::encode(received.value)))
     }
 
     /// Set-point that the drive has accepted, rpm.
     #[wasm_bindgen(getter, js_name = acceptedSpeed)]
     pub fn accepted_speed(&self) -> Option<u16> {
-        self.core.report().accepted_speed.map(|heard| heard.value)
+        self.core.report().accepted_speed.map(|received| received.value)
     }
 
     /// The last BUILD_INFO.
     #[wasm_bindgen(getter, unchecked_return_type = "BuildInfo | undefined")]
     pub fn build(&self) -> JsValue {
-        let Some(Heard { value, .. }) = self.core.report().build else { return JsValue::UNDEFINED };
+        let Some(Received { value, .. }) = self.core.report().build else { return JsValue::UNDEFINED };
         let shaped = Object::new();
         set(&shaped, "number", value.number);
         set(&shaped, "modified", value.modified);
@@ -337,7 +337,7 @@ impl Master {
     /// The last DEVICE_INFO.
     #[wasm_bindgen(getter, unchecked_return_type = "DeviceInfo | undefined")]
     pub fn device(&self) -> JsValue {
-        let Some(Heard { value, .. }) = self.core.report().device else { return JsValue::UNDEFINED };
+        let Some(Received { value, .. }) = self.core.report().device else { return JsValue::UNDEFINED };
         let shaped = Object::new();
         set(&shaped, "hardware", value.hardware);
         set(&shaped, "software", format!("{}.{}", value.software >> 8, value.software & 0xFF));
@@ -355,16 +355,16 @@ impl Master {
     /// Mechanical speed from the source that the control mode uses, rpm.
     #[wasm_bindgen(getter)]
     pub fn speed(&self) -> Option<i16> {
-        self.core.speed().map(|heard| heard.value)
+        self.core.speed().map(|received| received.value)
     }
 
-    /// Returns the value of a parameter as last heard, in its unit; `undefined` before.
+    /// Returns the value of a parameter as last received, in its unit; `undefined` before.
     pub fn parameter(
         &self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
     ) -> Result<Option<f64>, JsValue> {
         let number = description::number(self.tables.as_ref(), key)?;
-        let known = self.core.parameters().get(number).map(|heard| heard.value);
+        let known = self.core.parameters().get(number).map(|received| received.value);
         let raw = known.or_else(|| self.others.get(&number).copied());
         Ok(raw.map(|raw| self.value(number, raw)))
     }
@@ -377,10 +377,10 @@ impl Master {
         Ok(())
     }
 
-    /// Length and check value of the drive's description, as last heard.
+    /// Length and check value of the drive's description, as last received.
     #[wasm_bindgen(getter, js_name = descriptionInfo, unchecked_return_type = "DescriptionInfo | undefined")]
     pub fn description_info(&self) -> JsValue {
-        let Some(Heard { value, .. }) = self.core.report().description else { return JsValue::UNDEFINED };
+        let Some(Received { value, .. }) = self.core.report().description else { return JsValue::UNDEFINED };
         let shaped = Object::new();
         set(&shaped, "words", value.words);
         set(&shaped, "check", value.check);
@@ -482,8 +482,8 @@ impl Master {
 
     fn limits(&self) -> Option<SpeedLimits> {
         SpeedLimits::of(|number| {
-            let heard = self.core.parameters().get(number)?;
-            Some(self.value(number, heard.value).round() as i32)
+            let received = self.core.parameters().get(number)?;
+            Some(self.value(number, received.value).round() as i32)
         })
     }
 

@@ -233,7 +233,7 @@ impl TxMaster {
         Some(name.to_owned())
     }
 
-    /// Returns whether the node was heard within 5 s.
+    /// Returns whether a frame of the node was received within 5 s.
     #[wasm_bindgen(getter)]
     pub fn present(&self) -> bool {
         self.core.is_present(self.now)

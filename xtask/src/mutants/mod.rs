@@ -54,14 +54,14 @@ fn mutate(root: &Path, arguments: &Arguments) -> Outcome {
     let areas = chosen(&arguments.areas)?;
     install::cargo_program("cargo-mutants", VERSION)?;
     let folder = env::current_dir().unwrap_or_default().join(target_directory(root)).join("mutation");
-    let bench = Bench { tree: folder.join("tree"), folder };
-    tree::refresh(root, &bench.tree)?;
+    let workspace = Workspace { tree: folder.join("tree"), folder };
+    tree::refresh(root, &workspace.tree)?;
     let mut rows = Vec::new();
     for area in areas {
         if !arguments.collect {
-            bench.run(area, arguments)?;
+            workspace.run(area, arguments)?;
         }
-        rows.push(Row::new(area, &bench.list(area)?, &bench.results(area)?));
+        rows.push(Row::new(area, &workspace.list(area)?, &workspace.results(area)?));
     }
     let mut lines: Vec<String> = rows.iter().flat_map(told).collect();
     let out = root.join(&arguments.out).join("mutants.json");
@@ -85,12 +85,12 @@ fn told(row: &Row) -> Vec<String> {
 }
 
 /// Place of the mutations: a copy of the working copy, and the results beside it.
-struct Bench {
+struct Workspace {
     folder: PathBuf,
     tree: PathBuf,
 }
 
-impl Bench {
+impl Workspace {
     /// Runs an area: quick tests, then the long ones for the mutants that survive. Each run writes a folder
     /// of its own; the last result of a mutant counts.
     fn run(&self, area: &Area, arguments: &Arguments) -> Result<(), String> {

@@ -20,7 +20,7 @@ use heapless::Deque;
 use requests::Requests;
 
 /// Messages without an answer that may wait.
-const COMMANDS: usize = 4;
+const COMMANDS_MAX: usize = 4;
 
 /// Configuration of a master: its node, and times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl Config {
 #[derive(Clone, Debug)]
 pub struct TxMaster {
     config: Config,
-    commands: Deque<ToNode, COMMANDS>,
+    commands: Deque<ToNode, COMMANDS_MAX>,
     requests: Requests,
     report: Report,
 }
@@ -69,9 +69,9 @@ impl TxMaster {
         &self.report
     }
 
-    /// Returns whether the node was heard lately.
+    /// Returns whether a frame of the node was received lately.
     pub fn is_present(&self, now: u64) -> bool {
-        self.report.heard.is_some_and(|heard| now.saturating_sub(heard) < self.config.silence)
+        self.report.received.is_some_and(|received| now.saturating_sub(received) < self.config.silence)
     }
 
     /// Commands this node.

@@ -10,7 +10,7 @@ pub struct Report {
     /// State of the last heartbeat.
     pub state: Option<NmtState>,
     /// Time of the last message, microseconds.
-    pub heard: Option<u64>,
+    pub received: Option<u64>,
     /// Boot-up messages, saturating.
     pub boots: u32,
     /// Error messages, saturating.
@@ -66,7 +66,7 @@ impl Encoder {
 
 impl Report {
     pub(super) fn note(&mut self, message: &FromNode, now: u64) {
-        self.heard = Some(now);
+        self.received = Some(now);
         match *message {
             FromNode::Heartbeat(state) => {
                 self.state = Some(state);

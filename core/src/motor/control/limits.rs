@@ -44,7 +44,7 @@ pub struct LimitCoefficients {
     /// Slope from one to the other (parameter 96), A per millisecond with 16 extra bits.
     pub rate: i64,
     /// Estimated mean phase current (parameter 269), A.
-    pub phase_current: i32,
+    pub phase_current_max: i32,
     /// From this temperature the limits fall (parameter 121), degrees C.
     pub derating_start: i32,
     /// Per degree above it: 1 / (shutdown - warning).
@@ -96,7 +96,7 @@ impl CurrentLimit {
         self.ramp.set(c.soft_start);
         self.power = (c.maximum as i64) << 16;
         (self.bound, self.limiter) = (c.soft_start, Limiter::Current);
-        self.phase = c.phase_current;
+        self.phase = c.phase_current_max;
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings
@@ -113,10 +113,10 @@ impl CurrentLimit {
         let before = (self.bound, self.phase);
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
-        let power = self.rate_power(c, (voltage, current), phase_current);
+        let power = self.update_power_bound(c, (voltage, current), phase_current);
         (self.bound, self.limiter) =
             if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
-        self.phase = self.rate_heat(c, phase_current);
+        self.phase = self.update_thermal_bound(c, phase_current);
         let excess = temperature.to_bits().saturating_sub(c.derating_start);
         if excess > 0 {
             let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
@@ -129,7 +129,7 @@ impl CurrentLimit {
 
     /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So
     /// an integrator of 20 ms moves the bound until the filtered power is the rating.
-    fn rate_power(
+    fn update_power_bound(
         &mut self,
         c: &LimitCoefficients,
         (voltage, current): (i32, i32),
@@ -151,18 +151,18 @@ impl CurrentLimit {
     }
 
     /// Phase current that the heat store leaves: all of it when cold, the continuous rating when full.
-    fn rate_heat(&mut self, c: &LimitCoefficients, phase_current: i32) -> i32 {
+    fn update_thermal_bound(&mut self, c: &LimitCoefficients, phase_current: i32) -> i32 {
         let current = phase_current >> 8;
         // Cold, and it stays so.
         if self.heat == 0 && current.unsigned_abs() <= COLD {
-            return c.phase_current;
+            return c.phase_current_max;
         }
         let current = i64::from(current);
         self.heat = (self.heat + current * current - CONTINUOUS_SQUARE).clamp(0, HEAT_MAX);
-        let above = i64::from(c.phase_current.saturating_sub(CONTINUOUS)).max(0);
+        let above = i64::from(c.phase_current_max.saturating_sub(CONTINUOUS)).max(0);
         // In 2^-20ths, and by a constant reciprocal.
         const FULL: i64 = (1 << 32) / (HEAT_MAX >> 20);
-        c.phase_current - ((above * (((self.heat >> 20) * FULL) >> 16)) >> 16) as i32
+        c.phase_current_max - ((above * (((self.heat >> 20) * FULL) >> 16)) >> 16) as i32
     }
 
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase

@@ -58,7 +58,7 @@ impl Drive {
     #[inline]
     fn want(&mut self, demand: Demand) {
         if demand != self.pattern.demand {
-            self.control.beware();
+            self.control.decide_anew();
             self.stale = true;
             (self.pattern.demand, self.pattern.short) = (demand, false);
         }
@@ -92,7 +92,7 @@ impl Drive {
             }
             Plan::Hold(step, level) => return self.hold(Pattern::hold(Demand::Level(level), step)),
         }
-        let rotor = self.rotor.sensorless.rotor();
+        let rotor = self.rotor.sensorless.estimator();
         Some(Position { angle: rotor.angle(self.now), speed: rotor.speed() })
     }
 

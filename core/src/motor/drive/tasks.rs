@@ -57,7 +57,7 @@ impl Drive {
         }
         self.tasks.next = next + 1;
         match next {
-            RATINGS => self.rate(current),
+            RATINGS => self.update_ratings(current),
             RAMPS => self.run_ramps(current),
             _ => {
                 let end = self.tasks.end;
@@ -73,14 +73,14 @@ impl Drive {
     #[inline(never)]
     fn do_all(&mut self, ticks: u32, samples: &Samples, current: Amps) {
         self.tasks.due = self.now.after(ticks);
-        self.rate(current);
+        self.update_ratings(current);
         self.run_ramps(current);
         self.check_rails();
         self.make_due(samples);
     }
 
     #[inline(never)]
-    fn rate(&mut self, current: Amps) {
+    fn update_ratings(&mut self, current: Amps) {
         if matches!(self.machine.state(), State::Initialization | State::Standby) {
             self.measurement.find_zero(&self.coefficients.measurement, current);
         }
@@ -91,7 +91,7 @@ impl Drive {
         }
         let stands = matches!(self.pattern.demand, Demand::Speed(_)) && self.tasks.speed == 0;
         let temperature = self.slow.temperature;
-        self.control.rate(&self.coefficients.control, &self.measurement, temperature, !stands);
+        self.control.update_ratings(&self.coefficients.control, &self.measurement, temperature, !stands);
     }
 
     /// The speed loop of a closed loop, or the level and the field of a start.

@@ -8,7 +8,7 @@ use super::fault::{Cause, FaultWord};
 use crate::blind;
 use crate::motor::band::Band;
 use crate::motor::clock::Instant;
-use crate::motor::machine::Request;
+use crate::motor::machine::RunRequest;
 use crate::motor::rotor::hall::HallEvents;
 use crate::motor::sense::measurement::Measured;
 use crate::motor::sense::samples::Lines;
@@ -171,7 +171,7 @@ pub struct Evidence {
     /// Store and self-tests.
     pub health: Health,
     /// The master's request.
-    pub request: Request,
+    pub request: RunRequest,
     /// Events of the hall sensors.
     pub hall: HallEvents,
     /// No hall edge for the hall time-out.
@@ -425,7 +425,7 @@ impl Protection {
             (evidence.lines.contains(Lines::DRIVER_FAULT), Cause::DriverLine),
             (evidence.lines.contains(Lines::EMERGENCY), Cause::EmergencyLine),
             (evidence.health.self_test_failed, Cause::SelfTest),
-            (evidence.request == Request::Shutdown, Cause::ShutdownCommanded),
+            (evidence.request == RunRequest::Shutdown, Cause::ShutdownCommanded),
             (self.shutdown_line.step(now, shutdown, !shutdown, c.shutdown_ticks), Cause::ShutdownLine),
             (evidence.open_phase && evidence.driving, Cause::OpenPhase),
             (evidence.sensorless == Some(Cause::SensorlessStall), Cause::SensorlessStall),

@@ -2,7 +2,7 @@
 
 pub use crate::motor::control::limits::Limiter;
 pub use crate::motor::guard::protection::{Health, SlowMeasurements};
-pub use crate::motor::machine::{Command, Refusal, Request};
+pub use crate::motor::machine::{Command, Refusal, RunRequest};
 pub use crate::motor::rotor::hall::HallWiring;
 pub use crate::motor::rotor::hall_calibration::HallCalibration;
 pub use crate::motor::rotor::zero_crossing::Why;

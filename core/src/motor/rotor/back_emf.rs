@@ -67,7 +67,7 @@ pub struct OperatingPoint {
 
 /// Finding of one tick about the step's crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sight {
+pub enum Observation {
     /// Nothing that is certain and new.
     #[default]
     Nothing,
@@ -237,26 +237,26 @@ impl BackEmf {
         samples: &Samples,
         bus_voltage: i32,
         sample_at: u16,
-    ) -> Sight {
+    ) -> Observation {
         let Some(watch) = self.watch else {
             self.quiet.hidden = now.after(u32::MAX);
-            return Sight::Nothing;
+            return Observation::Nothing;
         };
         if c.comparator {
             return self.look_at_edges(c, now, samples, watch);
         }
         if !self.visible.is_due(now) {
             self.quiet.hidden = self.visible;
-            return Sight::Nothing;
+            return Observation::Nothing;
         }
         self.crossed = self.crossed.saturating_add(TICK as i32);
         let unseen = self.passage == Passage::Unseen;
         if unseen && self.demagnetises(c, now, samples, bus_voltage, watch) {
-            return Sight::Nothing;
+            return Observation::Nothing;
         }
-        let sight = self.sample(c, samples, sample_at, watch);
+        let observation = self.sample(c, samples, sample_at, watch);
         self.rest_by(samples.sample_mode);
-        sight
+        observation
     }
 
     /// From here on a sample of this `mode` says nothing new as long as it stays in the band set here, and it
@@ -419,20 +419,26 @@ impl BackEmf {
 
     /// The mean that this sample makes against the threshold.
     #[inline]
-    fn sample(&mut self, c: &BackEmfCoefficients, samples: &Samples, sample_at: u16, watch: Watch) -> Sight {
+    fn sample(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        sample_at: u16,
+        watch: Watch,
+    ) -> Observation {
         let mode = samples.sample_mode;
         let off_time = mode == SampleMode::OffTime;
         let (threshold, beyond) = (self.threshold(mode), self.beyond());
         let sample = self.mean(signal(samples, watch));
         let mean = sample.value;
-        let mut sight = Sight::Nothing;
+        let mut observation = Observation::Nothing;
         if mean < threshold - self.noise {
             if self.passage == Passage::Unseen {
                 self.passage = Passage::Healthy;
             }
             self.after_run = 0;
             if !off_time || !watch.rises() {
-                sight = Sight::Before;
+                observation = Observation::Before;
             }
         } else if mean > threshold + beyond && (!off_time || watch.rises()) {
             self.after_run = self.after_run.saturating_add(1);
@@ -449,13 +455,14 @@ impl BackEmf {
         if self.passage == Passage::Crossing && mean > threshold + beyond {
             self.passage = Passage::Found;
             let threshold = if threshold == 0 { 0 } else { c.terminal.convert_difference(threshold) };
-            sight = Sight::Crossing { age: self.crossed.saturating_add(Self::delay(c, watch)), threshold };
+            observation =
+                Observation::Crossing { age: self.crossed.saturating_add(Self::delay(c, watch)), threshold };
         } else if self.passage == Passage::Unseen && self.after_run > 2 + (1 << self.shift) / 2 {
             self.passage = Passage::Found;
-            sight = Sight::Late;
+            observation = Observation::Late;
         }
         self.keep(sample, sample_at);
-        sight
+        observation
     }
 
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a

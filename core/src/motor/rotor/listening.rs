@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 /// The highest terminal changed: the rotor was there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard {
+pub struct Passage {
     /// In twelfths of a turn.
     pub place: u8,
     /// Before the present boundary, 1/65 536 tick; negative is after it.
@@ -53,7 +53,7 @@ const SETTLED: u32 = 8;
 const CONVINCING: u8 = 4;
 
 impl Listening {
-    /// The bridge is on: nothing can be heard.
+    /// The bridge is on: the terminals show nothing.
     #[inline]
     pub fn reset(&mut self, now: Instant) {
         *self = Self { began: now, loud: now, changed: now, ..Self::default() };
@@ -91,7 +91,7 @@ impl Listening {
         now: Instant,
         codes: &[u16; 3],
         sample_at: u16,
-    ) -> Option<Heard> {
+    ) -> Option<Passage> {
         let age = -i32::from(sample_at);
         let before = core::mem::replace(&mut self.previous, *codes);
         let before_age = TICK as i32 - i32::from(core::mem::replace(&mut self.sampled_at, sample_at));
@@ -109,7 +109,7 @@ impl Listening {
             2_u8
         };
         let level = |codes: &[u16; 3], phase: u8| i32::from(codes[usize::from(phase.min(2))]);
-        // Neither is rest disproved here, nor is rotation: an offset about as high as the noise is heard in
+        // Neither is rest disproved here, nor is rotation: an offset about as high as the noise is seen in
         // some ticks and not in others.
         if level(codes, top) < i32::from(c.silence) {
             return None;
@@ -136,7 +136,7 @@ impl Listening {
             Direction::Forward => (4 * top + 1) % 12,
             Direction::Reverse => (4 * last + 7) % 12,
         };
-        Some(Heard { place, age: before_age - part, direction })
+        Some(Passage { place, age: before_age - part, direction })
     }
 
     /// Keeps the distance of its instants below the clock's range.
@@ -175,7 +175,7 @@ impl Listening {
         now.since(self.changed)
     }
 
-    /// Ticks for which nothing was heard.
+    /// Ticks for which the terminals were silent.
     pub const fn quiet(&self, now: Instant) -> u32 {
         now.since(self.loud)
     }

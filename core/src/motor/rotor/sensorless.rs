@@ -9,7 +9,7 @@
 //!     +-- at rest --> Align (two locks) --> Kick ------+
 //! ```
 
-use super::back_emf::{BackEmf, BackEmfCoefficients, End, OperatingPoint, Sight};
+use super::back_emf::{BackEmf, BackEmfCoefficients, End, Observation, OperatingPoint};
 use super::listening::Listening;
 use super::zero_crossing::{Why, ZeroCrossing};
 use crate::motor::clock::Instant;
@@ -32,7 +32,7 @@ pub struct SensorlessCoefficients {
     pub rails: RailCoefficients,
     /// No crossing for this long is speed 0 (parameter 85), 1/65 536 tick.
     pub timeout: u32,
-    /// Nothing heard for this long is a rotor at rest.
+    /// Silent terminals for this long mean a rotor at rest.
     pub rest: u32,
     /// Two locks together.
     pub align: u32,
@@ -86,7 +86,7 @@ pub enum Plan {
 
 /// The part of the terminals' signal that is being watched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Ear {
+enum Watched {
     /// Perhaps another pattern than in the tick before.
     #[default]
     Change,
@@ -99,9 +99,9 @@ enum Ear {
 /// State of the station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sensorless {
-    ear: Ear,
+    watched: Watched,
     back_emf: BackEmf,
-    rotor: ZeroCrossing,
+    estimator: ZeroCrossing,
     listening: Listening,
     rails: Rails,
     phase: Phase,
@@ -121,7 +121,7 @@ pub struct Sensorless {
 /// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a
 /// rotor at 333 electrical rpm would have shown another, and what is slower is brought to rest by the locks.
 const STILL: u32 = 12;
-/// Ticks for which a rotor that turns backward is braked before it is listened to again.
+/// Ticks for which a rotor that turns backward is braked before the drive listens again.
 const LISTEN_AGAIN: u32 = 64;
 /// Angle at which the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing
 /// rises and shows in the off-time too.
@@ -140,22 +140,22 @@ impl Sensorless {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        let rests = match self.ear {
-            Ear::Step => self.back_emf.rests(now, samples, applied.sample_at),
-            Ear::Coasting => {
+        let rests = match self.watched {
+            Watched::Step => self.back_emf.rests(now, samples, applied.sample_at),
+            Watched::Coasting => {
                 self.listening.rests(&c.back_emf, now, &samples.phase_voltage, applied.sample_at)
             }
-            Ear::Change => false,
+            Watched::Change => false,
         };
         if rests && samples.edges.is_empty() {
             return false;
         }
-        self.hear(c, now, samples, bus_voltage, applied, torque)
+        self.observe(c, now, samples, bus_voltage, applied, torque)
     }
 
     /// A tick whose terminals may say something new.
     #[inline(never)]
-    fn hear(
+    fn observe(
         &mut self,
         c: &SensorlessCoefficients,
         now: Instant,
@@ -165,10 +165,10 @@ impl Sensorless {
         torque: Direction,
     ) -> bool {
         if coasts(applied) {
-            self.ear = Ear::Coasting;
+            self.watched = Watched::Coasting;
             return self.coast(c, now, samples, applied);
         }
-        self.ear = Ear::Step;
+        self.watched = Watched::Step;
         let mut end = End::Seen;
         if !self.back_emf.goes_on(applied) {
             end = self.watch_step(c, now, samples, applied, torque);
@@ -177,9 +177,9 @@ impl Sensorless {
                 return false;
             }
         }
-        let sight = self.back_emf.look(&c.back_emf, now, samples, bus_voltage, applied.sample_at);
-        let changed = self.counts(c, now) && self.take(c, now, end, sight);
-        self.expect();
+        let observation = self.back_emf.look(&c.back_emf, now, samples, bus_voltage, applied.sample_at);
+        let changed = self.is_trusted(c, now) && self.update(c, now, end, observation);
+        self.expect_crossing();
         changed
     }
 
@@ -196,67 +196,79 @@ impl Sensorless {
         if self.back_emf.coasts() {
             self.listening.reset(now);
         }
-        let point = OperatingPoint { torque, interval: self.rotor.expected() };
+        let point = OperatingPoint { torque, interval: self.estimator.expected() };
         let end = self.back_emf.follow(&c.back_emf, now, samples, applied, &point);
-        self.expect();
+        self.expect_crossing();
         end
     }
 
-    /// The terminals are believed: in closed loop, and once the kick's current flows.
+    /// The terminals are trusted: in closed loop, and once the kick's current flows.
     #[inline]
-    fn counts(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
+    fn is_trusted(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
         self.phase == Phase::Run || (self.phase == Phase::Kick && now.since(self.since) > c.rest)
     }
 
     /// The estimator takes how the step before ended, and what this one shows. True if the estimate has
     /// changed.
     #[inline]
-    fn take(&mut self, c: &SensorlessCoefficients, now: Instant, end: End, sight: Sight) -> bool {
+    fn update(
+        &mut self,
+        c: &SensorlessCoefficients,
+        now: Instant,
+        end: End,
+        observation: Observation,
+    ) -> bool {
         let blind = end == End::Missed;
         if blind {
-            self.rotor.step_blind(now);
+            self.estimator.step_blind(now);
         }
-        let (sector, sight) = match end {
-            End::Crossing { sector, age } => (Some(sector), Sight::Crossing { age, threshold: 0 }),
-            End::Seen | End::Missed => (self.back_emf.sector(), sight),
+        let (sector, observation) = match end {
+            End::Crossing { sector, age } => (Some(sector), Observation::Crossing { age, threshold: 0 }),
+            End::Seen | End::Missed => (self.back_emf.sector(), observation),
         };
-        sector.is_some_and(|sector| self.take_sight(c, now, sector, sight)) || blind
+        sector.is_some_and(|sector| self.apply_observation(c, now, sector, observation)) || blind
     }
 
     /// The estimator takes what the step of `sector` shows. True if the estimate has changed.
     #[inline]
-    fn take_sight(&mut self, c: &SensorlessCoefficients, now: Instant, sector: u8, sight: Sight) -> bool {
+    fn apply_observation(
+        &mut self,
+        c: &SensorlessCoefficients,
+        now: Instant,
+        sector: u8,
+        observation: Observation,
+    ) -> bool {
         let starting = self.phase == Phase::Kick;
         let found = self.back_emf.is_found();
-        match sight {
-            Sight::Crossing { age, threshold } => {
+        match observation {
+            Observation::Crossing { age, threshold } => {
                 self.seen = now;
-                let told = (age, threshold);
-                let accepted = self.rotor.cross(now, sector, told, c.back_emf.emf_of_turns, starting);
+                let crossing = (age, threshold);
+                let accepted = self.estimator.cross(now, sector, crossing, c.back_emf.emf_of_turns, starting);
                 if !accepted {
                     self.back_emf.reject(now);
                 }
                 accepted
             }
-            Sight::Late => {
+            Observation::Late => {
                 self.seen = now;
-                self.rotor.cross_late(now, sector, starting);
+                self.estimator.cross_late(now, sector, starting);
                 true
             }
             // After a crossing that was found this tells that it was none.
-            Sight::Before if starting || found || self.back_emf.is_overdue(now) => {
-                self.rotor.wait(now, sector, starting)
+            Observation::Before if starting || found || self.back_emf.is_overdue(now) => {
+                self.estimator.wait(now, sector, starting)
             }
-            Sight::Nothing if starting && !found => self.rotor.wait(now, sector, true),
-            Sight::Before | Sight::Nothing => false,
+            Observation::Nothing if starting && !found => self.estimator.wait(now, sector, true),
+            Observation::Before | Observation::Nothing => false,
         }
     }
 
     /// From when on the crossing that is watched is overdue.
     #[inline]
-    fn expect(&mut self) {
+    fn expect_crossing(&mut self) {
         let watched = self.back_emf.sector().filter(|_| !self.back_emf.is_found());
-        self.back_emf.expect(watched.map(|sector| self.rotor.overdue_at(sector)));
+        self.back_emf.expect(watched.map(|sector| self.estimator.overdue_at(sector)));
     }
 
     /// A tick with the bridge off in which a terminal has become the highest, or the bridge has just gone
@@ -273,32 +285,32 @@ impl Sensorless {
             self.back_emf = BackEmf::default();
             self.listening.reset(now);
         }
-        self.rotor.begin_coasting(now);
+        self.estimator.begin_coasting(now);
         if self.phase == Phase::Kick {
             self.listening.reset(now);
             return false;
         }
-        let heard = self.listening.step(&c.back_emf, now, &samples.phase_voltage, applied.sample_at);
-        match heard {
-            Some(heard) if heard.direction == self.rotor.direction() || self.listening.agrees() => {
-                self.rotor.observe_coasting(now, heard.place, heard.age, heard.direction);
+        let passage = self.listening.step(&c.back_emf, now, &samples.phase_voltage, applied.sample_at);
+        match passage {
+            Some(passage) if passage.direction == self.estimator.direction() || self.listening.agrees() => {
+                self.estimator.observe_coasting(now, passage.place, passage.age, passage.direction);
                 true
             }
             _ => false,
         }
     }
 
-    /// Nobody has listened: what was heard before is of another time.
+    /// Begins to listen: observations from before are forgotten.
     pub fn begin_listening(&mut self, now: Instant) {
         self.listening.reset(now);
-        self.rotor.skip(now);
+        self.estimator.skip(now);
         self.wake();
     }
 
     /// The next tick looks at everything: the terminals may show another pattern.
     #[inline]
     pub const fn wake(&mut self) {
-        self.ear = Ear::Change;
+        self.watched = Watched::Change;
     }
 
     /// Notes the command that is `applied` from here on: it may be another pattern.
@@ -312,7 +324,7 @@ impl Sensorless {
     /// Keeps the distance of its instants below the clock's range while nothing else is asked of it.
     pub fn renew(&mut self, now: Instant) {
         self.listening.renew(now);
-        self.rotor.pass(now);
+        self.estimator.pass(now);
     }
 
     /// Time at which the sequence must go on even if the terminals show nothing new. It holds while the
@@ -326,9 +338,10 @@ impl Sensorless {
     fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
         let began = self.since;
         match self.phase {
-            Phase::Listen => {
-                self.listening.settles(c.rest, began, STILL * c.rest).earlier(self.rotor.silent_at(c.timeout))
-            }
+            Phase::Listen => self
+                .listening
+                .settles(c.rest, began, STILL * c.rest)
+                .earlier(self.estimator.silent_at(c.timeout)),
             Phase::Brake => began.after(LISTEN_AGAIN + 1),
             Phase::Align => {
                 let half = began.after(c.align / 2 + 1);
@@ -337,7 +350,7 @@ impl Sensorless {
             Phase::Kick if now.since(began) < c.rest => began.after(c.rest),
             Phase::Kick if self.level.value() < c.kick_level => began.after(c.kick_limit + 1),
             Phase::Kick => began.after(c.kick_limit + 1).earlier(self.seen.after(c.kick_patience + 1)),
-            Phase::Run => self.rotor.silent_at(c.timeout),
+            Phase::Run => self.estimator.silent_at(c.timeout),
         }
     }
 
@@ -387,7 +400,7 @@ impl Sensorless {
         torque: Direction,
     ) -> Plan {
         if self.phase == Phase::Run {
-            self.due = self.rotor.silent_at(c.timeout);
+            self.due = self.estimator.silent_at(c.timeout);
             return self.run(c, now);
         }
         // Before the phase acts: what it changes of its own deadline (`go`, or a forced step) only makes it
@@ -417,10 +430,10 @@ impl Sensorless {
         released: bool,
         torque: Direction,
     ) -> Plan {
-        if self.listening.is_turning() && self.rotor.since(now) < c.timeout {
+        if self.listening.is_turning() && self.estimator.since(now) < c.timeout {
             if self.listening.direction() != torque {
                 self.go(now, Phase::Brake);
-            } else if released && self.rotor.is_prepared() {
+            } else if released && self.estimator.is_prepared() {
                 self.go(now, Phase::Run);
                 (self.begun, self.caught) = (Some(true), true);
                 return Plan::Speed(0);
@@ -438,7 +451,7 @@ impl Sensorless {
     /// to coast. Nothing is returned to the bus either way. What is slow enough is brought to rest by the
     /// locks.
     fn brake(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
-        let speed = self.rotor.speed().saturating_abs();
+        let speed = self.estimator.speed().saturating_abs();
         if now.since(self.since) > LISTEN_AGAIN {
             self.go(now, Phase::Listen);
         }
@@ -460,7 +473,7 @@ impl Sensorless {
     fn kick_off(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
         self.go(now, Phase::Kick);
         self.seen = now.after(c.rest);
-        self.rotor.start(now, ALIGNED_AT, torque);
+        self.estimator.start(now, ALIGNED_AT, torque);
         self.kick(c, now)
     }
 
@@ -471,7 +484,7 @@ impl Sensorless {
             return Plan::Coast;
         }
         let level = self.level.value();
-        if self.rotor.is_prepared() {
+        if self.estimator.is_prepared() {
             self.go(now, Phase::Run);
             self.begun = Some(false);
             return Plan::Speed(0);
@@ -481,7 +494,7 @@ impl Sensorless {
             return Plan::Coast;
         }
         if level >= c.kick_level && now.since(self.seen) > c.kick_patience {
-            self.rotor.force_step();
+            self.estimator.force_step();
             self.seen = now;
         }
         Plan::Level(level)
@@ -489,15 +502,15 @@ impl Sensorless {
 
     #[inline]
     fn run(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
-        if self.rotor.is_lost() || self.rotor.since(now) >= c.timeout {
+        if self.estimator.is_lost() || self.estimator.since(now) >= c.timeout {
             self.end(now, Rail::Stall);
             return Plan::Coast;
         }
-        if self.rotor.is_irregular() {
+        if self.estimator.is_irregular() {
             self.end(now, Rail::Desynchronised);
             return Plan::Coast;
         }
-        Plan::Speed(self.rotor.fade())
+        Plan::Speed(self.estimator.fade())
     }
 
     /// This episode is over: the bridge goes off and the drive listens.
@@ -535,8 +548,8 @@ impl Sensorless {
 
     /// Angle and speed (u32 turn, 2^-32 turn a tick) for the commutator. While a kick knows no speed, the
     /// angle stands in a sector's middle.
-    pub const fn rotor(&self) -> &ZeroCrossing {
-        &self.rotor
+    pub const fn estimator(&self) -> &ZeroCrossing {
+        &self.estimator
     }
 
     /// The rotor is being brought up.
@@ -550,7 +563,7 @@ impl Sensorless {
     }
 
     /// The bridge is off, and no terminal has shown a turning rotor for long enough: it stands.
-    pub fn hears_rest(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
+    pub fn observes_rest(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
         let coasts = self.back_emf.coasts();
         coasts && (self.listening.quiet(now) >= c.rest || self.listening.still(now) >= STILL * c.rest)
     }
@@ -569,17 +582,17 @@ impl Sensorless {
     /// Estimated speed, 2^-32 turn a tick, signed; 0 when none is known.
     #[inline]
     pub fn speed(&self, c: &SensorlessCoefficients, now: Instant) -> i32 {
-        let heard = match self.phase {
+        let moves = match self.phase {
             Phase::Run => true,
-            Phase::Kick => self.rotor.is_prepared(),
+            Phase::Kick => self.estimator.is_prepared(),
             _ => self.listening.is_turning(),
         };
-        if heard && self.rotor.since(now) < c.timeout { self.rotor.speed_bounded(now) } else { 0 }
+        if moves && self.estimator.since(now) < c.timeout { self.estimator.speed_bounded(now) } else { 0 }
     }
 
     /// The why-channel: the last step's crossing, its margin, crossings accepted.
     pub const fn why(&self) -> (Why, i16, u32) {
-        self.rotor.why()
+        self.estimator.why()
     }
 
     /// Present phase of the start sequence.

@@ -75,7 +75,7 @@ pub struct ZeroCrossing {
     late: u8,
     /// Mean deviation of the interval from its prediction, 1/65 536 tick with 3 extra bits.
     deviation: u32,
-    /// The last place was heard from the coasting motor.
+    /// The last place was observed on the coasting motor.
     coasting: bool,
     why: Why,
     /// Distance of the last crossing behind its prediction, 65 536 a turn.
@@ -189,7 +189,7 @@ impl ZeroCrossing {
         self.angle != angle
     }
 
-    /// The bridge went off: fewer places show from now on, and the first takes a moment to be heard.
+    /// The bridge went off: fewer places show from now on, and the first takes a moment to appear.
     pub fn begin_coasting(&mut self, now: Instant) {
         if !self.coasting {
             self.pass(now);

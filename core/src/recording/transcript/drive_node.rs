@@ -54,8 +54,8 @@ pub enum NodeCall {
     ResetCause(ResetCause),
     SelfTests(SelfTests),
     AttachStorage(storage::Opened),
-    Storage(storage::Report),
-    Scope(scope::Report),
+    Storage(storage::FlashReply),
+    Scope(scope::ScopeReply),
     /// `poll`, this many ticks after the last one.
     Poll(u64),
     PollFrame,
@@ -69,7 +69,7 @@ pub enum NodeCall {
     #[cfg(feature = "update")]
     AttachUpdate(update::Slots),
     #[cfg(feature = "update")]
-    Update(update::Report),
+    Update(update::SlotReply),
     #[cfg(feature = "update")]
     PollUpdate,
 }

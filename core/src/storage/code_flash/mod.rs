@@ -13,7 +13,7 @@
 
 mod page;
 
-use super::{Memory, Opened, Part, Report, Request, parameters::FORMAT};
+use super::{FlashReply, FlashTask, Memory, Opened, Part, parameters::FORMAT};
 use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameters, number::SOFTWARE_RELEASE};
 use crate::motor::guard::fault::FaultWord;
 use core::cmp::Ordering;
@@ -31,7 +31,7 @@ struct Failed;
 #[derive(Clone, Debug)]
 pub struct CodeFlash<F> {
     flash: F,
-    request: Option<Request>,
+    request: Option<FlashTask>,
     /// The flash was scanned, and is large enough.
     is_open: bool,
     /// The newest page that is whole.
@@ -86,14 +86,14 @@ impl<F> CodeFlash<F> {
     }
 
     /// Takes a request, which [`step`](Self::step) executes. One at a time, as a node sends them.
-    pub fn begin(&mut self, request: Request) {
+    pub fn begin(&mut self, request: FlashTask) {
         (self.request, self.stage, self.tries, self.repaired) = (Some(request), Stage::Begin, 0, false);
     }
 }
 
 impl<F: NorFlash> CodeFlash<F> {
     /// Continues the request by one page; returns a report once it is done.
-    pub fn step(&mut self) -> Option<Report> {
+    pub fn step(&mut self) -> Option<FlashReply> {
         let request = self.request.take()?;
         match self.advance(&request) {
             Ok(None) => {
@@ -105,21 +105,25 @@ impl<F: NorFlash> CodeFlash<F> {
         }
     }
 
-    fn advance(&mut self, request: &Request) -> Result<Option<Report>, Failed> {
+    fn advance(&mut self, request: &FlashTask) -> Result<Option<FlashReply>, Failed> {
         match (request, self.stage) {
-            (Request::Open, Stage::Begin) => self.look()?,
-            (Request::Store(parameters, part), Stage::Begin) if self.is_open => {
+            (FlashTask::Open, Stage::Begin) => self.look()?,
+            (FlashTask::Store(parameters, part), Stage::Begin) if self.is_open => {
                 let is_written = self.write(parameters, *part).is_ok();
                 self.go_on(is_written)?;
             }
-            (Request::Open | Request::Store(..), Stage::Copy) if self.first.is_some() && self.is_alone() => {
+            (FlashTask::Open | FlashTask::Store(..), Stage::Copy)
+                if self.first.is_some() && self.is_alone() =>
+            {
                 let is_copied = self.copy().is_ok();
                 self.go_on(is_copied)?;
                 self.repaired = true;
             }
-            (Request::Open, Stage::Copy) => return self.opened().map(|opened| Some(Report::Opened(opened))),
-            (Request::Store(..), Stage::Copy) => {
-                return Ok(Some(Report::Stored { done: true, log: Memory::default() }));
+            (FlashTask::Open, Stage::Copy) => {
+                return self.opened().map(|opened| Some(FlashReply::Opened(opened)));
+            }
+            (FlashTask::Store(..), Stage::Copy) => {
+                return Ok(Some(FlashReply::Stored { done: true, log: Memory::default() }));
             }
             _ => return Err(Failed),
         }
@@ -135,21 +139,21 @@ impl<F: NorFlash> CodeFlash<F> {
         if self.tries > pages(&self.flash) { Err(Failed) } else { Ok(()) }
     }
 
-    fn failed(&mut self, request: &Request) -> Report {
+    fn failed(&mut self, request: &FlashTask) -> FlashReply {
         let log = Memory::default();
         match request {
-            Request::Open => {
+            FlashTask::Open => {
                 self.is_open = false;
-                Report::Opened(Opened {
+                FlashReply::Opened(Opened {
                     parameters: Parameters::new(),
                     faults: FaultWord::STORE_ABSENT,
                     repaired: false,
                     log,
                 })
             }
-            Request::Store(..) => Report::Stored { done: false, log },
-            Request::Append(_) | Request::Erase => Report::Log { done: false, memory: log },
-            Request::Read(_) => Report::Record(None),
+            FlashTask::Store(..) => FlashReply::Stored { done: false, log },
+            FlashTask::Append(_) | FlashTask::Erase => FlashReply::Log { done: false, memory: log },
+            FlashTask::Read(_) => FlashReply::Record(None),
         }
     }
 

@@ -10,7 +10,7 @@ use heapless::spsc::Consumer;
 use narx_boot::Server;
 use narx_core::bus::{BusState, Frame};
 #[cfg(feature = "slots")]
-use narx_core::node::update::{Report, Request};
+use narx_core::node::update::{SlotReply, SlotTask};
 use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_firmware::board::BackgroundSide;
 use stm32_metapac::VREFINTCAL;
@@ -94,7 +94,7 @@ impl BackgroundSide for Loop {
     }
 
     #[cfg(feature = "slots")]
-    fn serve_update(&mut self, request: &Request) -> Report {
+    fn serve_update(&mut self, request: &SlotTask) -> SlotReply {
         self.server.execute(request)
     }
 

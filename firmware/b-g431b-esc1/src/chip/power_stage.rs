@@ -139,8 +139,8 @@ impl Bridge {
     pub fn apply(&mut self, command: &PwmCommand, start: u16) {
         self.pending = [None; 2];
         self.change(command.step);
-        // Latched by the timer at the next boundary; how current freewheels there is heeded by the next
-        // tick's pattern.
+        // Latched by the timer at the next boundary; how current freewheels there is taken into account by
+        // the next tick's pattern.
         self.rectification = command.rectification;
         let duty = compare(command.duty);
         for leg in 0..3 {

@@ -14,7 +14,7 @@ use narx_core::dictionary::Decimal;
 use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::{Identity, ResetCause};
 use narx_core::scope::{self, Memory};
-use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
+use narx_core::storage::{FlashReply, FlashTask, Mailbox, Opened, Storage};
 use narx_firmware::boards::cortex_m as image;
 use narx_firmware::boards::qemu::flash::{self, Chip};
 use narx_firmware::boards::qemu::pace::{Pace, count_millisecond, look_for_millisecond};
@@ -41,7 +41,7 @@ static PROGRESS: Progress = Progress::new();
 fn main() -> ! {
     static mut QUEUES: Queues<'static> = Queues::new();
     static mut SAMPLES: Queue<Samples, 2> = Queue::new();
-    static mut COMMANDS: Queue<PwmCommand, 2> = Queue::new();
+    static mut PWM_COMMANDS: Queue<PwmCommand, 2> = Queue::new();
     static mut INCOMING_BYTES: Queue<u8, INCOMING> = Queue::new();
     static mut ARGUMENTS: [u8; ARGUMENTS_MAX] = [0; ARGUMENTS_MAX];
     static mut MAILBOX: Mailbox = Mailbox::new();
@@ -82,7 +82,7 @@ fn main() -> ! {
         device.node().attach_update(&slots);
     }
     let (samples, samples_out) = SAMPLES.split();
-    let (commands_in, commands) = COMMANDS.split();
+    let (commands_in, commands) = PWM_COMMANDS.split();
     let (uart, receiver) = uart::open(INCOMING_BYTES);
     CONTROL.give(Control::new(
         tick,
@@ -136,8 +136,8 @@ fn report(cause: ResetCause, trouble: Option<Trouble>) -> Option<Trouble> {
 /// Reads what the flash holds. A flash that holds nothing valid, as after power-up, first becomes that of a
 /// commissioned drive.
 fn open(storage: &mut Storage<Chip>, commissioning: &Commissioning) -> Option<Opened> {
-    let look = |storage: &mut Storage<Chip>| match finish(storage.execute(Request::Open)) {
-        Some(Report::Opened(opened)) => Some(opened),
+    let look = |storage: &mut Storage<Chip>| match finish(storage.execute(FlashTask::Open)) {
+        Some(FlashReply::Opened(opened)) => Some(opened),
         _ => None,
     };
     let opened = look(storage)?;

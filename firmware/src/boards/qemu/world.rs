@@ -22,7 +22,7 @@ use narx_core::queue::{dequeue, enqueue};
 use narx_sim::can::slcan::{Adapter, LINE_MAX};
 use narx_sim::plant::Plant;
 
-/// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another hears and says nothing.
+/// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another receives and says nothing.
 const BITRATE: u32 = 500_000;
 /// Shortest time for which a frame occupies the bus, whole ticks: 131 bits of a 29-bit frame with 8 bytes.
 const FRAME_TICKS: u64 = 3;
@@ -227,10 +227,10 @@ impl BackgroundSide for World {
         self.tests.step(self.plant.tick())
     }
 
-    fn serve_update(&mut self, request: &update::Request) -> update::Report {
+    fn serve_update(&mut self, request: &update::SlotTask) -> update::SlotReply {
         match &mut self.server {
             Some(server) => server.execute(request),
-            None => update::Report::Failed(UpdateCode::Flash),
+            None => update::SlotReply::Failed(UpdateCode::Flash),
         }
     }
 

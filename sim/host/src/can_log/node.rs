@@ -149,9 +149,9 @@ fn to_node(frame: &Frame) -> Result<Decoded, DecodeError> {
 
 fn from_node(frame: &Frame, layout: Layout) -> Result<Decoded, DecodeError> {
     let (node, message) = FromNode::decode(frame, layout)?;
-    let heard = Value::Number(node.raw().into());
+    let received = Value::Number(node.raw().into());
     Ok(match message {
-        FromNode::Error { code } => Decoded::new(ERROR, [heard, Value::Code(code)]),
+        FromNode::Error { code } => Decoded::new(ERROR, [received, Value::Code(code)]),
         FromNode::Pdo { kind, reading: Reading { positions: [first, second], encoder } } => {
             // 2^-27 mm: exact.
             let position = |raw: i32| f64::from(raw) / f64::from(1 << 27);
@@ -159,7 +159,7 @@ fn from_node(frame: &Frame, layout: Layout) -> Result<Decoded, DecodeError> {
             // As the EDS has it; a rotary encoder's count is the same modulo 65536.
             let encoder = if layout.encoder { f64::from(encoder as i16) } else { f64::NAN };
             let [first, second, encoder] = [position(first.raw()), second, encoder].map(Value::Quantity);
-            Decoded::new(PDO + kind as usize - PdoKind::Timer as usize, [heard, first, second, encoder])
+            Decoded::new(PDO + kind as usize - PdoKind::Timer as usize, [received, first, second, encoder])
         }
         FromNode::Sdo(SdoAnswer { index, subindex, outcome }) => {
             let (outcome, value) = match outcome {
@@ -169,7 +169,7 @@ fn from_node(frame: &Frame, layout: Layout) -> Result<Decoded, DecodeError> {
             };
             sdo(SDO_ANSWER, node.raw(), (index, subindex), outcome, value)
         }
-        FromNode::Heartbeat(state) => Decoded::new(HEARTBEAT, [heard, Value::Code(state as u16)]),
+        FromNode::Heartbeat(state) => Decoded::new(HEARTBEAT, [received, Value::Code(state as u16)]),
     })
 }
 

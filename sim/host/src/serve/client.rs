@@ -1,4 +1,4 @@
-//! One client of the bus: its slcan adapter, between its bytes and the frames that it sends and hears.
+//! One client of the bus: its slcan adapter, between its bytes and the frames that it sends and receives.
 
 use narx_core::bus::Frame;
 use narx_sim::bench::BITRATE;
@@ -133,7 +133,7 @@ impl Client {
     }
 
     /// A frame has passed on the bus, at `time_ms` of the drive's time.
-    pub(super) fn hear(&mut self, frame: &Frame, time_ms: u64) {
+    pub(super) fn receive(&mut self, frame: &Frame, time_ms: u64) {
         if let Some(line) = self.adapter.handle_frame(frame, time_ms).filter(|_| self.is_on_bus()) {
             self.say(line);
         }
@@ -160,7 +160,7 @@ impl Client {
         }
     }
 
-    /// At another bit rate it hears nothing, and what it says is noise that nobody hears.
+    /// At another bit rate it receives nothing, and what it says is noise that nobody receives.
     fn is_on_bus(&self) -> bool {
         self.adapter.bitrate() == BITRATE
     }

@@ -1,4 +1,4 @@
-//! The simulated bus with its clients: who sends next, and who hears it.
+//! The simulated bus with its clients: who sends next, and who receives it.
 
 use super::client::{Client, Connection};
 use narx_sim::bench::Bench;
@@ -40,13 +40,13 @@ impl Hub {
         }
         self.arbitrate();
         self.bench.step();
-        // The host is nobody: its clients overhear.
+        // The host is nobody: its clients monitor.
         while self.bench.receive().is_some() {}
-        while let Some(heard) = self.bench.overhear() {
-            let sender = if heard.sender == self.bench.host() { self.sent.pop_front() } else { None };
+        while let Some(received) = self.bench.monitor() {
+            let sender = if received.sender == self.bench.host() { self.sent.pop_front() } else { None };
             for (id, client) in &mut self.clients {
                 if Some(*id) != sender {
-                    client.hear(&heard.frame, heard.time_ns / 1_000_000);
+                    client.receive(&received.frame, received.time_ns / 1_000_000);
                 }
             }
         }

@@ -19,8 +19,8 @@ impl Speed {
     pub const MAX: f64 = 100.0;
 }
 
-/// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then heard
-/// every 100 ms of the drive's time, well within its time-out of 250 ms.
+/// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then
+/// received every 100 ms of the drive's time, well within its time-out of 250 ms.
 const CATCH_UP: f64 = 2.0;
 /// Time that may be saved for a later burst, ns of real time.
 const SAVED: f64 = 5e6;

@@ -50,7 +50,7 @@ pub(super) fn open(link: Option<&Path>) -> io::Result<(Terminal, Connection)> {
         }
     });
     thread::spawn(move || {
-        // So does writing; what nobody hears is gone.
+        // So does writing; what nobody receives is gone.
         while write_all(&writer, &lines).is_err() {}
     });
     Ok((terminal, Connection { name: "pty".into(), incoming, outgoing }))

@@ -71,8 +71,8 @@ impl Far {
         self.from.try_iter().map(|line| String::from_utf8(line.to_vec()).unwrap()).collect()
     }
 
-    /// Frames that it has heard, without answers to its own commands.
-    fn heard(&self) -> Vec<Frame> {
+    /// Frames that it has received, without answers to its own commands.
+    fn received(&self) -> Vec<Frame> {
         self.from.try_iter().filter_map(|line| Some(decode_frame(line.strip_suffix(b"\r")?)?.0)).collect()
     }
 }
@@ -81,7 +81,7 @@ fn read(number: u16) -> Frame {
     ToDrive::RequestParameter { number }.encode(Addresses::FACTORY)
 }
 
-/// Nobody obeys these.
+/// Nobody accepts these.
 fn other(id: u32, tag: u8) -> Frame {
     Frame::data(Id::extended(id).unwrap(), &[tag]).unwrap()
 }
@@ -91,18 +91,18 @@ fn is_answer(frame: &Frame) -> bool {
 }
 
 #[test]
-fn everybody_but_its_sender_hears_a_frame_and_the_drive_obeys_it() {
+fn everybody_but_its_sender_receives_a_frame_and_the_drive_accepts_it() {
     let mut hub = hub();
     let [one, two, closed] = [Far::open(&mut hub), Far::open(&mut hub), Far::new(&mut hub)];
     one.send([read(99)]);
     run(&mut hub, 400);
-    let (first, second) = (one.heard(), two.heard());
+    let (first, second) = (one.received(), two.received());
     assert_eq!(first.iter().filter(|frame| is_answer(frame)).count(), 1);
     assert!(!first.contains(&read(99)));
     let others: Vec<Frame> = second.iter().copied().filter(|frame| *frame != read(99)).collect();
     assert_eq!(others, first, "the drive's frames");
     assert_eq!(second.len(), first.len() + 1);
-    assert!(closed.heard().is_empty());
+    assert!(closed.received().is_empty());
 }
 
 #[test]
@@ -113,13 +113,13 @@ fn a_more_urgent_frame_of_another_client_overtakes() {
     run(&mut hub, 10);
     quick.send([other(0x100, 0)]);
     run(&mut hub, 200);
-    let heard: Vec<Frame> = third.heard().into_iter().filter(|frame| frame.dlc() == 1).collect();
-    assert_eq!(heard.len(), 21);
-    let place = heard.iter().position(|frame| *frame == other(0x100, 0)).unwrap();
+    let received: Vec<Frame> = third.received().into_iter().filter(|frame| frame.dlc() == 1).collect();
+    assert_eq!(received.len(), 21);
+    let place = received.iter().position(|frame| *frame == other(0x100, 0)).unwrap();
     // 1 ms has passed when it comes: five short frames at most are gone, and two are in the controller.
     assert!(place <= 7, "{place}");
     let tags: Vec<u8> =
-        heard.iter().filter(|frame| **frame != other(0x100, 0)).map(|frame| frame.payload()[0]).collect();
+        received.iter().filter(|frame| **frame != other(0x100, 0)).map(|frame| frame.payload()[0]).collect();
     assert!(tags.iter().copied().eq(0..20), "each client's frames stay in their order");
 }
 
@@ -131,14 +131,14 @@ fn of_equal_identifiers_the_older_frame_goes_first() {
     two.send((100..110).map(|tag| other(0x123, tag)));
     run(&mut hub, 300);
     let tags: Vec<u8> =
-        third.heard().iter().filter(|frame| frame.dlc() == 1).map(|frame| frame.payload()[0]).collect();
+        third.received().iter().filter(|frame| frame.dlc() == 1).map(|frame| frame.payload()[0]).collect();
     assert_eq!(tags.len(), 20);
     let last = |range: std::ops::Range<u8>| tags.iter().rposition(|tag| range.contains(tag)).unwrap();
     assert!(last(0..10).abs_diff(last(100..110)) <= 5, "neither waits for all of the other: {tags:?}");
 }
 
 #[test]
-fn a_client_that_never_reads_loses_lines_and_is_told_while_the_others_hear_all() {
+fn a_client_that_never_reads_loses_lines_and_is_told_while_the_others_receive_all() {
     let mut hub = hub();
     let [deaf, other] = [(); 2].map(|()| Far::open(&mut hub));
     let mut answers = 0;
@@ -146,7 +146,7 @@ fn a_client_that_never_reads_loses_lines_and_is_told_while_the_others_hear_all()
     for _ in 0..rounds {
         other.send((0..12).map(read));
         run(&mut hub, 85);
-        answers += other.heard().iter().filter(|frame| is_answer(frame)).count();
+        answers += other.received().iter().filter(|frame| is_answer(frame)).count();
     }
     assert_eq!(answers, 12 * rounds);
     assert_eq!(deaf.from.try_iter().count(), LINES);
@@ -163,24 +163,24 @@ fn what_the_bus_cannot_take_is_refused() {
     let mut hub = hub();
     let [eager, other_one] = [(); 2].map(|()| Far::open(&mut hub));
     let frames: Vec<Frame> = (0..500).map(|tag: u32| other(0x1FFF_FFFF, tag as u8)).collect();
-    let (mut yes, mut no, mut heard) = (0, 0, 0);
+    let (mut yes, mut no, mut received) = (0, 0, 0);
     for frames in frames.chunks(40) {
         eager.send(frames.iter().copied());
         run(&mut hub, 12);
-        heard += other_one.heard().iter().filter(|frame| frame.dlc() == 1).count();
+        received += other_one.received().iter().filter(|frame| frame.dlc() == 1).count();
         for reply in eager.replies() {
             yes += usize::from(reply == "\r");
             no += usize::from(reply.as_bytes() == [NO]);
         }
     }
     run(&mut hub, 2000);
-    heard += other_one.heard().iter().filter(|frame| frame.dlc() == 1).count();
+    received += other_one.received().iter().filter(|frame| frame.dlc() == 1).count();
     assert_eq!(yes + no, 500);
     assert!(no > 0 && yes >= FRAMES, "{yes} accepted, {no} refused");
-    assert_eq!(heard, yes, "what was accepted is sent");
+    assert_eq!(received, yes, "what was accepted is sent");
 }
 
-/// A client that sends rubbish changes nothing of what another one hears: neither a bit nor a millisecond.
+/// A client that sends rubbish changes nothing of what another one receives: neither a bit nor a millisecond.
 #[test]
 fn rubbish_disturbs_nobody() {
     let listen = |shouts: bool| {
@@ -191,7 +191,7 @@ fn rubbish_disturbs_nobody() {
         shouter.say(b"O\r");
         run(&mut hub, 1);
         let mut random = Random::new(1);
-        let mut heard = Vec::new();
+        let mut received = Vec::new();
         for tick in 0..10_000 {
             if shouts {
                 let bytes: Vec<u8> = (0..64).map(|_| random.bits() as u8).collect();
@@ -202,9 +202,9 @@ fn rubbish_disturbs_nobody() {
                 listener.say(&encode_frame(&read(99), None));
             }
             hub.step();
-            heard.extend(listener.from.try_iter());
+            received.extend(listener.from.try_iter());
         }
-        heard
+        received
     };
     let (quiet, loud) = (listen(false), listen(true));
     assert!(quiet.len() > 200, "{}", quiet.len());
@@ -218,7 +218,7 @@ fn what_a_client_said_before_it_left_is_sent_and_then_it_is_forgotten() {
     one.send((0..10).map(|tag| other(0x123, tag)));
     drop(one);
     run(&mut hub, 100);
-    assert_eq!(two.heard().iter().filter(|frame| frame.dlc() == 1).count(), 10);
+    assert_eq!(two.received().iter().filter(|frame| frame.dlc() == 1).count(), 10);
     let news = hub.take_news();
     assert_eq!(
         news.last().map(String::as_str),
@@ -233,22 +233,22 @@ fn a_line_that_hangs_up_closes_its_channel() {
     terminal.say(b"T12");
     terminal.to.send(FromClient::HungUp).unwrap();
     run(&mut hub, 1000);
-    assert!(terminal.heard().is_empty());
+    assert!(terminal.received().is_empty());
     terminal.say(b"S6\rO\r");
     run(&mut hub, 1000);
-    assert!(!terminal.heard().is_empty());
+    assert!(!terminal.received().is_empty());
 }
 
 #[test]
-fn at_another_bit_rate_one_neither_hears_nor_is_heard() {
+fn at_another_bit_rate_one_neither_receives_nor_is_received() {
     let mut hub = hub();
     let [one, two] = [Far::new(&mut hub), Far::open(&mut hub)];
     one.say(b"S5\rO\r");
     one.send([read(99)]);
     run(&mut hub, 1000);
     assert_eq!(one.replies(), ["\r"; 3]);
-    let heard = two.heard();
-    assert!(!heard.is_empty() && !heard.iter().any(|frame| *frame == read(99) || is_answer(frame)));
+    let received = two.received();
+    assert!(!received.is_empty() && !received.iter().any(|frame| *frame == read(99) || is_answer(frame)));
 }
 
 /// Each answers for itself, with 11 bits beside the drive's 29.
@@ -261,16 +261,16 @@ fn tx_drivers_answer_beside_the_drive() {
     client.say(b"t60284000200000000000\rt60384000200000000000\rt00020105\rr3854\r");
     client.send([read(99)]);
     run(&mut hub, 100);
-    let heard = client.heard();
+    let received = client.received();
     // A position is more urgent than an answer.
-    let answers: Vec<&Frame> = heard.iter().filter(|frame| !frame.id().is_extended()).collect();
+    let answers: Vec<&Frame> = received.iter().filter(|frame| !frame.id().is_extended()).collect();
     let ids: Vec<u32> = answers.iter().map(|frame| frame.id().raw()).collect();
     assert_eq!(ids, [0x385, 0x582]);
     assert_eq!(answers[1].payload(), [0x4F, 0, 0x20, 0, 2, 0, 0, 0]);
     // 1 mm and 25 um at most of run-out.
     let position = i32::from_le_bytes(answers[0].payload().try_into().unwrap());
     assert!((f64::from(position) / 134_217_728.0 - 1.0).abs() < 0.03, "{position}");
-    assert!(heard.iter().any(is_answer));
+    assert!(received.iter().any(is_answer));
 }
 
 #[test]

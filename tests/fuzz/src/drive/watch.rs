@@ -51,8 +51,9 @@ impl Watch {
     pub(crate) fn give(&mut self, frame: &Frame, node: &mut Node, now: u64) {
         let ours = MessageId::of(frame).map(|id| id.destination == self.addresses.drive);
         let message = ToDrive::decode(frame);
-        let obeyed = matches!((ours, message), (Ok(true), Ok((id, _))) if id.source == self.addresses.master);
-        if !obeyed {
+        let accepted =
+            matches!((ours, message), (Ok(true), Ok((id, _))) if id.source == self.addresses.master);
+        if !accepted {
             let mut twin = node.clone();
             // The simplest frame of the same kind.
             match (ours, message) {
@@ -116,7 +117,7 @@ impl Watch {
     }
 
     /// Checks a frame of the drive.
-    pub(crate) fn heard(&mut self, frame: &Frame) {
+    pub(crate) fn received(&mut self, frame: &Frame) {
         let (id, message) = FromDrive::decode(frame).expect("a message of a drive");
         assert_eq!((id.source, id.destination), (self.addresses.drive, self.addresses.master));
         assert_eq!((id.priority, id.kind), (Priority::Low, MessageKind::SlaveTx));

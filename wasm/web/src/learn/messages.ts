@@ -19,7 +19,7 @@ export type Row = Record<Kept, number>;
 export type Rows = Float64Array[];
 
 /** A frame of the bus, with its decoded message. */
-export type Heard = BusFrame & { message?: DriveMessage | NodeMessage };
+export type Received = BusFrame & { message?: DriveMessage | NodeMessage };
 
 /** Action on a bench. */
 export type Action =
@@ -50,5 +50,5 @@ export type Answer =
     | { kind: "opened" }
     /** New rows. `acted`: the time at which the actions began that caused them, s; absent if only time has
      * passed. */
-    | { kind: "ran"; rows: Rows; frames: Heard[]; acted?: number; fault?: string }
+    | { kind: "ran"; rows: Rows; frames: Received[]; acted?: number; fault?: string }
     | { kind: "refused"; reason: string };

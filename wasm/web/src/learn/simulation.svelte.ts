@@ -2,7 +2,7 @@
 // in view.
 
 import { History, type Entered } from "./history";
-import { KEPT, type Action, type Answer, type Heard, type Request, type Row, type Setup } from "./messages";
+import { KEPT, type Action, type Answer, type Received, type Request, type Row, type Setup } from "./messages";
 
 /** Time between two updates of the figures, ms. */
 const READING = 200;
@@ -39,7 +39,7 @@ export class Simulation {
     handleActed: (time: number) => void = () => {};
     /** Called with every frame of the bus, if the bench keeps them; `acted` marks frames that the last
      * actions caused. */
-    handleFrames: (frames: Heard[], acted: boolean) => void = () => {};
+    handleFrames: (frames: Received[], acted: boolean) => void = () => {};
 
     #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
     #ready = false;

@@ -3,7 +3,7 @@
 
 import init, { Bench, Motor, type BusFrame, type Trace } from "narx";
 import initCore, { decode } from "narx/core";
-import { KEPT, type Action, type Answer, type Heard, type Request, type Rows, type Setup } from "./messages";
+import { KEPT, type Action, type Answer, type Received, type Request, type Rows, type Setup } from "./messages";
 
 /** Time between two runs, ms: one picture of a common screen. */
 const PERIOD = 16;
@@ -30,7 +30,7 @@ function tell(rows: Rows, acted?: number): void {
     answer({ kind: "ran", rows, frames, acted, fault }, rows.map((column) => column.buffer));
 }
 
-function read(frame: BusFrame): Heard {
+function read(frame: BusFrame): Received {
     return { ...frame, message: decode(frame) };
 }
 

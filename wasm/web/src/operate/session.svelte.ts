@@ -5,13 +5,13 @@ import { untrack } from "svelte";
 import type { BusFrame } from "narx";
 import { Drive, type DriveOptions } from "narx/drive";
 import { descriptions } from "./descriptions";
-import { chart } from "./heard.svelte";
+import { chart } from "./received.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
 import { trace } from "./trace.svelte";
 import { NOTHING, look, setpointOf, type View } from "./view";
 
-/** Time in which a drive must be heard, s. */
+/** Time in which a drive must be received, s. */
 const BOOT = 1.5;
 /** Number of frames that are processed at once after a return to an earlier instant. */
 const PIECE = 20;
@@ -39,12 +39,12 @@ class Session {
         requestAnimationFrame(() => this.#draw());
     }
 
-    /** True if the drive was not heard for longer than it takes to boot. */
-    get unheard(): boolean {
+    /** True if no frame of the drive was received for longer than it takes to boot. */
+    get silentDrive(): boolean {
         return this.link !== undefined && !this.view.connected && this.view.time > this.#opened + BOOT;
     }
 
-    /** True if this master can command: its link can send, and the drive is heard. */
+    /** True if this master can command: its link can send, and the drive is received. */
     get commands(): boolean {
         return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected;
     }
@@ -62,7 +62,7 @@ class Session {
             let drive = this.#begin(options);
             this.options = options;
             this.link = await open({
-                handle: (time, frames) => this.#hear(drive, time, frames),
+                handle: (time, frames) => this.#receive(drive, time, frames),
                 handleReturn: (time, frames) => {
                     if (this.drive === drive) {
                         drive = this.#return(options, time, frames);
@@ -145,7 +145,7 @@ class Session {
         // In pieces, as the frames came, because plots get a point for each piece.
         for (let at = 0; at < frames.length; at += PIECE) {
             const piece = frames.slice(at, at + PIECE);
-            this.#hear(drive, piece[piece.length - 1].time, piece);
+            this.#receive(drive, piece[piece.length - 1].time, piece);
         }
         const rpm = setpointOf(drive.master);
         if (rpm !== 0) {
@@ -175,7 +175,7 @@ class Session {
         this.#changed = true;
     }
 
-    #hear(drive: Drive, time: number, frames: readonly BusFrame[]): void {
+    #receive(drive: Drive, time: number, frames: readonly BusFrame[]): void {
         if (this.drive !== drive) {
             return;
         }

@@ -8,7 +8,7 @@ import { FAULT } from "./states";
 export interface View {
     /** The link's time, s. */
     time: number;
-    /** True if the drive was heard within the time-out for a lost drive. */
+    /** True if a frame of the drive was received within the time-out for a lost drive. */
     connected: boolean;
     /** State of the drive, 0 to 7; absent while unknown. */
     state?: number;
@@ -26,7 +26,7 @@ export interface View {
     setpoint: number;
     /** Reason why the motor runs at another speed than requested. */
     speedWarning?: string;
-    /** Set-points that the drive accepts unchanged; absent before they were heard. */
+    /** Set-points that the drive accepts unchanged; absent before they were received. */
     speedLimits?: SpeedLimits;
     /** Parameters of the drive: from its own description, or from this page's tables. */
     parameters: readonly Parameter[];
@@ -37,7 +37,7 @@ export interface View {
     descriptionProblem?: string;
     /** Number of parameters that are still to be read in the background. */
     toRead: number;
-    /** Returns the value of a parameter as last heard, in its unit. */
+    /** Returns the value of a parameter as last received, in its unit. */
     parameter: (key: ParameterName | number) => number | undefined;
 }
 

@@ -1,6 +1,6 @@
 //! Back-EMF comparators with capture: their edges take the place of samples.
 
-use super::{BackEmf, BackEmfCoefficients, End, Passage, Sight, Watch};
+use super::{BackEmf, BackEmfCoefficients, End, Observation, Passage, Watch};
 use crate::motor::clock::Instant;
 use crate::motor::commutate::pwm::PwmCommand;
 use crate::motor::interval::TICK;
@@ -56,7 +56,7 @@ impl BackEmf {
         now: Instant,
         samples: &Samples,
         watch: Watch,
-    ) -> Sight {
+    ) -> Observation {
         let since_beginning = self.age(now);
         let mut crossing = None;
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator) {
@@ -71,15 +71,17 @@ impl BackEmf {
             self.quiet.hidden = now.after(u32::MAX);
         }
         match crossing {
-            Some(age) => Sight::Crossing { age: age.saturating_add(Self::delay(c, watch)), threshold: 0 },
+            Some(age) => {
+                Observation::Crossing { age: age.saturating_add(Self::delay(c, watch)), threshold: 0 }
+            }
             None => level,
         }
     }
 
     /// Reads the outputs at the end of the period. At rest they tell nothing of a late crossing.
-    fn level(&mut self, since_beginning: u32, watch: Watch) -> Sight {
+    fn level(&mut self, since_beginning: u32, watch: Watch) -> Observation {
         if since_beginning < self.blank {
-            return Sight::Nothing;
+            return Observation::Nothing;
         }
         let beyond = watch.is_beyond(self.code);
         let stands = beyond && self.passage == Passage::Unseen;
@@ -88,12 +90,12 @@ impl BackEmf {
             if self.passage == Passage::Unseen {
                 self.passage = Passage::Healthy;
             }
-            Sight::Before
+            Observation::Before
         } else if stands && self.after_run >= 2 && self.interval > 0 {
             self.passage = Passage::Found;
-            Sight::Late
+            Observation::Late
         } else {
-            Sight::Nothing
+            Observation::Nothing
         }
     }
 }

@@ -22,7 +22,7 @@ use narx_core::device::Queues;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::node::Identity;
 use narx_core::scope::{self, Memory};
-use narx_core::storage::{CodeFlash, Mailbox, Opened, Report, Request};
+use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Mailbox, Opened};
 use narx_firmware::owned::Owned;
 use narx_firmware::shell::{Background, Control, Progress};
 use static_cell::StaticCell;
@@ -87,13 +87,13 @@ fn main() -> ! {
 /// Reads what the flash holds. A board that still has the device number of the factory set is numbered by its
 /// chip.
 fn open(storage: &mut CodeFlash<Region>) -> Option<Opened> {
-    storage.begin(Request::Open);
+    storage.begin(FlashTask::Open);
     let report = loop {
         if let Some(report) = storage.step() {
             break report;
         }
     };
-    let Report::Opened(mut opened) = report else { return None };
+    let FlashReply::Opened(mut opened) = report else { return None };
     if opened.parameters.raw(number::DEVICE_NUMBER) == Parameters::new().raw(number::DEVICE_NUMBER) {
         let _ = opened.parameters.set(number::DEVICE_NUMBER, reset::serial().into());
     }

@@ -22,7 +22,7 @@ export type Request =
     | { kind: "open"; setup: Setup; actions: Action[] }
     | { kind: "act"; actions: Action[] }
     /** Confirms that a report was processed. */
-    | { kind: "heard" }
+    | { kind: "received" }
     /** Sets the simulated seconds in a second; 0 stops the time. */
     | { kind: "pace"; pace: number }
     | { kind: "step"; ticks: number }

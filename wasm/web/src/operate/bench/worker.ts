@@ -14,7 +14,7 @@ const PIECE = 50;
 const BEHIND_MAX = 0.05;
 /** Largest number of reports that the page has not processed yet. A busy page stops the time of the bench, so
  * that its set-points do not come too late. */
-const UNHEARD_MAX = 2;
+const UNACKNOWLEDGED_MAX = 2;
 /** Ticks between two reports of a run that is repeated. */
 const REPORT = 5000;
 /** Length of the rows and frames that are sent before an instant to which a run returns, ticks: enough for
@@ -24,7 +24,7 @@ const BEFORE = 80_000;
 let journal: JournalledBench | undefined;
 let pace = 1;
 let before = 0;
-let unheard = 0;
+let unacknowledged = 0;
 /** Ticks that are due, with their fraction. */
 let due = 0;
 
@@ -34,7 +34,7 @@ function answer(message: Answer, transfer: Transferable[] = []): void {
 
 function report(journal: JournalledBench, ticks: number): void {
     const { rows, frames } = journal.advance(ticks);
-    unheard += 1;
+    unacknowledged += 1;
     answer({ kind: "ran", now: journal.now(pace), rows, frames }, buffers(rows));
 }
 
@@ -103,7 +103,7 @@ function turn(): void {
     const now = performance.now();
     const elapsed = Math.min((now - before) / 1000, BEHIND_MAX);
     before = now;
-    if (journal && pace > 0 && unheard < UNHEARD_MAX) {
+    if (journal && pace > 0 && unacknowledged < UNACKNOWLEDGED_MAX) {
         due += elapsed * pace * journal.bench.tickRate;
         const piece = pace < 0.5 ? 1 : PIECE;
         const ticks = Math.floor(due / piece) * piece;
@@ -128,8 +128,8 @@ function handle(request: Request): void | Promise<void> {
             return open(request);
         case "act":
             return request.actions.forEach((action) => opened().act(action));
-        case "heard":
-            unheard -= 1;
+        case "received":
+            unacknowledged -= 1;
             return;
         case "pace":
             pace = request.pace;

@@ -105,8 +105,8 @@ class Adapter implements Link {
         this.#lose();
     }
 
-    #tell(heard: readonly BusFrame[]): void {
-        this.#listener?.handle(this.now, [...this.#sent.splice(0), ...heard]);
+    #tell(received: readonly BusFrame[]): void {
+        this.#listener?.handle(this.now, [...this.#sent.splice(0), ...received]);
     }
 
     #lose(): void {

@@ -184,7 +184,7 @@ class VirtualDrive {
                 this.#listener?.handle(answer.now.time, answer.frames);
                 // In a microtask, so that it follows the frames that the page sends in reaction to the
                 // report.
-                return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
+                return queueMicrotask(() => this.#worker?.postMessage({ kind: "received" } satisfies Request));
             case "sought":
                 return this.#return(answer);
             case "reproduced":

@@ -1,4 +1,4 @@
-//! The request, checked before anything runs or is written.
+//! Settings of the demonstration, checked before anything runs or is written.
 
 use crate::setup::{self, Refused, Setup, number};
 use clap::{Args, Command, FromArgMatches};
@@ -35,9 +35,9 @@ impl Arguments {
     }
 }
 
-/// A checked request.
+/// Checked settings.
 #[derive(Debug)]
-pub(super) struct Request {
+pub(super) struct Settings {
     setup: Setup,
     pub(super) mode: Mode,
     pub(super) rpm: i32,
@@ -52,7 +52,7 @@ pub(super) struct Request {
 /// Shortest and longest run, s: boot, start and a steady last quarter need about 1 s.
 const SECONDS: (f64, f64) = (1.0, 60.0);
 
-impl Request {
+impl Settings {
     pub(super) fn new(arguments: &Arguments) -> Result<Self, Refused> {
         let setup = arguments.bench.check()?;
         let seconds = number("--seconds", &arguments.seconds, SECONDS.0, SECONDS.1, "s")?;
@@ -66,9 +66,9 @@ impl Request {
         let commissioning =
             commissioning.map_err(|error| Refused(format!("--motor {}: {error}", setup.preset.name)))?;
         let out = arguments.out.clone();
-        let mut request = Self { setup, mode, rpm, seconds, tx_drivers, out, commissioning, session };
-        request.session.label = request.headline();
-        Ok(request)
+        let mut settings = Self { setup, mode, rpm, seconds, tx_drivers, out, commissioning, session };
+        settings.session.label = settings.headline();
+        Ok(settings)
     }
 
     /// Time at which the last quarter begins, over which steady figures are taken, s.
@@ -116,8 +116,8 @@ fn speed(text: Option<&str>, mode: Mode, range: &Commissioning) -> Result<i32, R
 mod tests {
     use super::*;
 
-    fn typed(words: &[&str]) -> Result<Request, Refused> {
-        Request::new(&Arguments::read(&[&["--mode", "hall"], words].concat()).unwrap())
+    fn typed(words: &[&str]) -> Result<Settings, Refused> {
+        Settings::new(&Arguments::read(&[&["--mode", "hall"], words].concat()).unwrap())
     }
 
     /// Every refusal names the argument, its value and the range, in one line.
@@ -139,7 +139,7 @@ mod tests {
             (&["--rpm", "-99999"], "--rpm -99999: must be"),
             (&["--rpm", "fast"], "--rpm fast: must be"),
         ];
-        let unknown_mode = Request::new(&Arguments::read(&["--mode", "foc"]).unwrap()).unwrap_err();
+        let unknown_mode = Settings::new(&Arguments::read(&["--mode", "foc"]).unwrap()).unwrap_err();
         assert_eq!(unknown_mode.to_string(), "--mode foc: unknown mode; one of sensorless, hall, open-loop");
         for (words, expected) in cases {
             let refused = typed(words).unwrap_err().to_string();
@@ -150,8 +150,8 @@ mod tests {
 
     #[test]
     fn reverse_is_a_negative_speed() {
-        let request = typed(&["--rpm", "-2000"]).unwrap();
-        assert_eq!(request.rpm, -2000);
-        assert_eq!(request.session.supply, 18.0);
+        let settings = typed(&["--rpm", "-2000"]).unwrap();
+        assert_eq!(settings.rpm, -2000);
+        assert_eq!(settings.session.supply, 18.0);
     }
 }

@@ -1,4 +1,5 @@
-//! Ease: while nothing comes near a limit, control is the division by the bus voltage.
+//! Steady operation: while no limit comes near, the last decision stands. A tick then only divides the wanted
+//! voltage by the bus voltage and adds the duty that the dead time takes.
 
 use super::coast::RETURN;
 use super::{Control, ControlCoefficients, Demand, ModeCoefficients};
@@ -9,55 +10,62 @@ use crate::motor::sense::measurement::{BUS_MIN, Measurement};
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
 
-/// Between these every limit would let the wanted voltage pass.
+/// Bands within which every limit lets the wanted voltage pass, so that the last decision stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Ease {
+pub(super) struct Steady {
     /// The bridge is off, and stays so.
     off: bool,
     /// Bus voltages, raw I16F16.
     voltage: Band,
     /// Largest bus current of one period, raw I16F16.
     current: i32,
-    /// Duties with dead time, raw U1F15: few enough that the slew limit lets any follow any other.
+    /// Commanded duties, dead time included, raw U1F15. The band is so narrow that the slew limit lets any
+    /// of them follow any other.
     duty: Band,
 }
 
-impl Ease {
-    /// Nowhere.
+impl Steady {
+    /// No decision stands: the next tick decides.
     pub(super) const NONE: Self = Self { off: false, voltage: Band::EMPTY, current: 0, duty: Band::EMPTY };
     /// The bridge is off.
     pub(super) const OFF: Self = Self { off: true, ..Self::NONE };
 }
 
-impl Default for Ease {
+impl Default for Steady {
     fn default() -> Self {
         Self::NONE
     }
 }
 
 impl Control {
-    /// The tick at ease. False if something may come near a limit; then nothing is changed, and the tick is
-    /// to be decided.
+    /// Applies the last decision to this tick's bus voltage. Returns false, and changes nothing, if a limit
+    /// may have come near: the tick must decide.
     #[inline]
-    pub fn divides(&mut self, c: &ControlCoefficients, bus_current: Amps, measurement: &Measurement) -> bool {
-        let ease = &self.ease;
-        let within = ease.voltage.contains(measurement.bus_voltage())
-            && bus_current.to_bits() <= ease.current
+    pub fn repeat_decision(
+        &mut self,
+        c: &ControlCoefficients,
+        bus_current: Amps,
+        measurement: &Measurement,
+    ) -> bool {
+        let steady = &self.steady;
+        let within = steady.voltage.contains(measurement.bus_voltage())
+            && bus_current.to_bits() <= steady.current
             && measurement.bus_current() >= RETURN;
         if !within {
-            return ease.off;
+            return steady.off;
         }
+        // The `lost_duty` of synchronous rectification, the only one in which a decision stands.
         let duty = measurement.duty_within(self.wanted) as i32 + i32::from(c.dead_time);
-        let fits = ease.duty.contains(duty);
+        let fits = steady.duty.contains(duty);
         if fits {
             self.output.duty = Duty::from_bits_within(duty as u16);
         }
         fits
     }
 
-    /// After a decision: where none will be needed until the loops have had another turn. `duties` are
-    /// sampled like this one.
-    pub fn ease(
+    /// Finds, after a decision, the bands within which it stands until the loops have run again. `duties`:
+    /// the duties at which the currents are sampled in the same way as now.
+    pub fn find_steady(
         &mut self,
         c: &ControlCoefficients,
         mode: &ModeCoefficients,
@@ -82,7 +90,7 @@ impl Control {
         if settled && duties.contains(duty) {
             // Half way down to what is asked for: the speed loop may ask for a little more in its next turn.
             let low = bus_voltage - (bus_voltage - self.wanted) / 2;
-            self.ease = Ease {
+            self.steady = Steady {
                 off: false,
                 voltage: Band::new(low.max(BUS_MIN + 1), c.bus_guard),
                 // The bound by phase current falls with the duty.
@@ -92,18 +100,18 @@ impl Control {
         }
     }
 
-    /// The speed loop has had its turn. The ease lasts if this tick's decision would let the new voltage pass
-    /// the current limiter, which waits there then.
-    pub(super) fn keep_ease(&mut self, c: &ControlCoefficients, bus_current: Amps) {
+    /// Takes the speed loop's new output. The bands stay if the current limiter would let the new voltage
+    /// pass; its integrator then waits at that voltage.
+    pub(super) fn renew_steady(&mut self, c: &ControlCoefficients, bus_current: Amps) {
         let (voltage, rise) = (self.speed_voltage, self.speed_voltage - self.wanted);
-        let room = self.ease.current - bus_current.to_bits();
+        let room = self.steady.current - bus_current.to_bits();
         let passes = room >= 0 && (rise <= 0 || c.current.proportional.apply(room) >= i64::from(rise));
-        let within = 0 < voltage && voltage < self.ease.voltage.low();
+        let within = 0 < voltage && voltage < self.steady.voltage.low();
         if within && passes {
             self.wanted = voltage;
             self.current.wait(voltage);
         } else {
-            self.beware();
+            self.decide_anew();
         }
     }
 }
