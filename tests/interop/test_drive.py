@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 
 import can
 import pytest
-from virtual_drive import BROADCAST_SECONDS, DATABASE, ROOT, XTASK, Drive
+from virtual_drive import BROADCAST_SECONDS, DATABASE, ROOT, TERMINAL, Drive
 
 SNAPSHOT = ROOT / "tests/protocol/snapshots/protocol__description__text_of_the_description.snap"
 
@@ -408,14 +408,14 @@ def test_it_ends_by_itself_and_may_run_faster():
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(arguments, reason):
-    refused = subprocess.run([XTASK, "drive", *arguments], capture_output=True, text=True, timeout=10)
+    refused = subprocess.run([TERMINAL, "drive", *arguments], capture_output=True, text=True, timeout=10)
     assert refused.returncode == 2
     assert refused.stderr.startswith(reason) and refused.stderr.count("\n") == 1
 
 
 def test_a_port_that_is_taken_is_named(drive):
     host, port = drive.address
-    refused = subprocess.run([XTASK, "drive", "--tcp", f"{host}:{port}"], capture_output=True, text=True, timeout=10)
+    refused = subprocess.run([TERMINAL, "drive", "--tcp", f"{host}:{port}"], capture_output=True, text=True, timeout=10)
     assert refused.returncode == 1
     assert f"--tcp {host}:{port}" in refused.stderr
 
@@ -423,7 +423,7 @@ def test_a_port_that_is_taken_is_named(drive):
 def test_a_link_replaces_no_file(tmp_path):
     precious = tmp_path / "precious"
     precious.write_text("kept")
-    command = [XTASK, "drive", "--tcp", "127.0.0.1:0", "--pty", "--link", str(precious)]
+    command = [TERMINAL, "drive", "--tcp", "127.0.0.1:0", "--pty", "--link", str(precious)]
     refused = subprocess.run(command, capture_output=True, text=True, timeout=10)
     assert refused.returncode == 1
     assert refused.stderr.startswith(f"--pty --link {precious}: ")

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const ROOT = fileURLToPath(new URL("../..", import.meta.url));
-const KEY = join(ROOT, "firmware/keys/TEST-ONLY.key");
+const KEY = join(ROOT, "boot/keys/TEST-ONLY.key");
 
 /** The bytes of an image. `secret`: 64 hexadecimal digits of another key. */
 export function image({ version = "0.3.1+99", hardware = "bench", length = 1024, secret } = {}) {

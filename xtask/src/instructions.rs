@@ -19,7 +19,7 @@ const HEAD: &str = "\
 # Memory on this processor, bytes: of the drive without its coefficients (state), and of these; of the control tick's half, of the queues, of the
 # background's half and the node in it; of these three together (device); of storing and logging (storage); of all that (whole). Of a scope, and
 # of the samples in it; of a master; of the task that serves the flash. stack_NAME: the most that one call took, of what the vectors ask of a
-# drive, and of a device with motor, flash and scope that a master asks for everything (firmware/src/bin/stack.rs).
+# drive, and of a device with motor, flash and scope that a master asks for everything (firmware/gauges/stack.rs).
 #
 # vector.NAME    every `Drive::step` of a conformance vector
 # state.NAME     every `Drive::step` of all vectors that ends in a state (Table 6 of the specification)

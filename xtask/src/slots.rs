@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Secret half of the key that the emulated board believes; everybody has it.
-const TEST_KEY: &str = "firmware/keys/TEST-ONLY.key";
+const TEST_KEY: &str = "boot/keys/TEST-ONLY.key";
 
 /// Folder in which [`make`] leaves the images.
 pub(crate) fn directory(root: &Path) -> PathBuf {

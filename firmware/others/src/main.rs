@@ -1,5 +1,5 @@
 //! Counts the instructions of other people's control on the Cortex-M4F, under `-icount shift=7`, as
-//! `firmware/src/bin/count.rs` counts ours.
+//! `firmware/gauges/count.rs` counts ours.
 //!
 //! Prints `other NAME TICKS TOTAL WORST`, what they were fed with behind `#`, or `error NAME WHY` where an
 //! answer is not what it should be:

@@ -50,7 +50,7 @@ const KEYWORDS: [&str; 9] = ["const", "enum", "fn", "mod", "static", "struct", "
 impl Sources {
     pub(super) fn read(root: &Path) -> Result<Self, String> {
         let mut texts = BTreeMap::new();
-        for directory in ["core/src", "sim/src", "firmware/boot", "tests"] {
+        for directory in ["core/src", "sim/src", "boot", "tests"] {
             collect(root, &root.join(directory), &mut texts)?;
         }
         let (mut files, mut vectors) = (BTreeMap::new(), BTreeMap::new());
@@ -95,7 +95,7 @@ impl Sources {
     pub(super) fn test_file(&self, reference: &str) -> Option<&str> {
         let (suite, name) = reference.split_once("::")?;
         let folder = match suite {
-            "boot" => "firmware/boot/tests/".to_owned(),
+            "boot" => "boot/tests/".to_owned(),
             suite => format!("tests/{suite}/"),
         };
         let mut files = self.files.iter().filter(|(path, _)| path.starts_with(&folder));

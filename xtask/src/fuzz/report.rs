@@ -7,8 +7,7 @@ use std::process::Command;
 use std::{fs, io};
 
 /// Files and folders of which the targets consist.
-const LOOKED_AT: [&str; 6] =
-    ["Cargo.lock", "core", "firmware/boot", "sim", "tests/fuzz/src", "tests/fuzz/Cargo.toml"];
+const LOOKED_AT: [&str; 6] = ["Cargo.lock", "core", "boot", "sim", "tests/fuzz/src", "tests/fuzz/Cargo.toml"];
 
 /// Report: everything in one file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -62,7 +62,7 @@ pub(super) const AREAS: [Area; 5] = [
         name: "boot",
         what: "bootloader: images, slots, swap",
         package: "narx-boot",
-        files: &["firmware/boot/src/*.rs"],
+        files: &["boot/src/*.rs"],
         quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[], timeout: "120" },
         long: None,
     },
@@ -107,7 +107,7 @@ mod tests {
             for tests in [Some(&area.quick), area.long.as_ref()].into_iter().flatten() {
                 let folder = match tests.package {
                     "narx-mutants" => "tests/mutants",
-                    _ => "firmware/boot",
+                    _ => "boot",
                 };
                 let manifest = fs::read_to_string(root.join(folder).join("Cargo.toml")).unwrap();
                 for program in tests.programs {

@@ -66,7 +66,7 @@ const KNOWN: Known = Known {
 
 /// Interrupts of the image qemu beside its main program; each may interrupt the one before it.
 const INTERRUPTS: [&str; 4] = ["SysTick", "DefaultHandler", "PendSV", "NonMaskableInt"];
-/// Calls of a shell, measured by `firmware/src/bin/stack.rs`: name, and the functions there by the ends of
+/// Calls of a shell, measured by `firmware/gauges/stack.rs`: name, and the functions there by the ends of
 /// their names.
 const CALLS: [(&str, &[&str]); 5] = [
     ("tick", &["stack::image::step"]),

@@ -7,7 +7,8 @@ use std::path::Path;
 const SAFE: [&str; 3] = ["core/src", "sim/src", "sim/host/src"];
 /// Folders that may contain it, in the files that the golden list names.
 const FIRMWARE: &str = "firmware";
-const BOARDS: [&str; 3] = ["firmware/src/boards/", "firmware/src/bin/", "firmware/b-g431b-esc1/"];
+const BOARDS: [&str; 4] =
+    ["firmware/src/boards/", "firmware/src/bin/", "firmware/gauges/", "firmware/b-g431b-esc1/"];
 
 /// Files of the firmware with `unsafe` in their code.
 ///

@@ -8,7 +8,7 @@ const VARIABLE: &str = "NARX_UPDATE_KEY";
 fn main() {
     println!("cargo::rerun-if-env-changed={VARIABLE}");
     println!("cargo::rerun-if-changed=build.rs");
-    let published = |name| read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../keys").join(name));
+    let published = |name| read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("keys").join(name));
     let (public, secret) = (published("TEST-ONLY.pub"), published("TEST-ONLY.key"));
     let chosen = match env::var_os(VARIABLE) {
         Some(file) => Some(read(&PathBuf::from(file))),

@@ -7,7 +7,7 @@ include!(concat!(env!("OUT_DIR"), "/key.rs"));
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(pub [u8; 32]);
 
-/// The key whose secret half is in firmware/keys for everybody: for the bench, the emulator and tests. A
+/// The key whose secret half is in boot/keys for everybody: for the bench, the emulator and tests. A
 /// board that believes it runs anybody's program.
 pub const TEST_ONLY: Key = Key(PUBLISHED);
 
