@@ -33,8 +33,9 @@
 //!
 //! Features that are on by default and that a small board may leave out: `names` and `description` (texts),
 //! `log`, `scope` and its `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is
-//! left out is refused. Two features are off by default: `update` (programming over CAN) and `code-flash`
-//! (parameters in the flash that the code runs from). A third, `blind`, is for checking the tests.
+//! left out is refused. Two more are off by default: `update` (programming over CAN) and `code-flash`
+//! (parameters in the flash that the code runs from). Two more are not for a drive: `engineering` (parameters
+//! in their units, as floating-point numbers) and `blind` (for checking the tests).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -54,5 +55,7 @@ pub mod node;
 pub mod queue;
 pub mod recording;
 pub mod scope;
+#[cfg(feature = "engineering")]
+pub mod shown;
 pub mod storage;
 pub mod units;

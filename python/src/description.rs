@@ -5,12 +5,12 @@ use crate::files;
 use crate::frame;
 use narx_core::bus::narmotion::Opcode;
 use narx_core::bus::narmotion::ParameterStatus;
+use narx_core::dictionary::engineering::{Misfit, Scale};
 use narx_core::dictionary::{Decimal, Effect};
 use narx_core::master::{
     Described, DescribedField, DescribedParameter, DescribedSignal, DescriptionError, DescriptionReader,
     Measurements, Received, Refusal,
 };
-use narx_sim::engineering::{Misfit, Scale};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use std::sync::{Arc, LazyLock};

@@ -1,9 +1,9 @@
 //! Motors and loads.
 
 use crate::error;
+use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters};
 use narx_sim::commissioning::{Commissioning, Mode};
-use narx_sim::engineering;
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
 use narx_sim::session::SessionConfig;

@@ -9,9 +9,9 @@ use libm::{exp, fmax, fmin, sqrt};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::Board;
 
-use crate::engineering::{self, ValueError};
 use crate::plant::MotorConfig;
-use crate::shown::Shown;
+use narx_core::dictionary::engineering::{self, ValueError};
+use narx_core::shown::Shown;
 
 mod speed;
 mod torque;

@@ -16,7 +16,6 @@ mod chip;
 pub mod commissioning;
 #[cfg(feature = "alloc")]
 pub mod commutations;
-pub mod engineering;
 #[cfg(feature = "alloc")]
 pub mod experiment;
 #[cfg(feature = "flash")]
@@ -35,7 +34,6 @@ pub mod replayed;
 pub mod sensor;
 #[cfg(feature = "alloc")]
 pub mod session;
-mod shown;
 #[cfg(feature = "update")]
 mod slots;
 #[cfg(feature = "alloc")]

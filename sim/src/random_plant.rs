@@ -5,11 +5,11 @@
 //! everywhere.
 
 use crate::commissioning::{Commissioning, Mode, Nameplate};
-use crate::engineering;
 use crate::plant::{LoadConfig, MotorConfig, PlantConfig};
 use crate::presets::{PRESETS, Preset};
 use crate::random::Random;
 use core::f64::consts::TAU;
+use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 
 /// Ranges in which a plant's values are drawn. Factors are of the data sheet's value.

@@ -2,12 +2,12 @@
 
 use crate::bench::{Bench, BenchConfig};
 use crate::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
-use crate::engineering::{self, ValueError};
 use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use narx_core::bus::Frame;
+use narx_core::dictionary::engineering::{self, ValueError};
 #[cfg(feature = "update")]
 use narx_core::master::Image;
 use narx_core::master::{Config, Job, Master, NotTaken};

@@ -1,8 +1,8 @@
 //! Tests of the serial line protocol of CAN adapters: lines that are written, read and refused.
 
 use crate::frames::{extended, standard};
+use narx_core::bus::slcan::{Adapter, Channel, Command, Lines, NO, Settings, decode_frame, encode_frame};
 use narx_core::bus::{Frame, Id};
-use narx_sim::can::slcan::{Adapter, Channel, Command, Lines, NO, Settings, decode_frame, encode_frame};
 use proptest::prelude::*;
 
 /// Gives all of `text` to an adapter. Returns its answer as text, with `!` for a refusal and `/` for the end

@@ -4,6 +4,7 @@
 //! The tests compute the speeds of a motor from its data and the supply, without commissioning.
 
 use crate::commanded::commanded_tick;
+use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
@@ -12,7 +13,6 @@ use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{
     Commissioning, CommissioningError, Mode, Nameplate, SpeedLimit, TORQUE_POINTS, TorqueLimit,
 };
-use narx_sim::engineering;
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, preset};
 use narx_sim::random::Random;

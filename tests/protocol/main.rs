@@ -38,6 +38,7 @@ mod scope;
 mod scope_bench;
 mod scope_inputs;
 mod scope_link;
+mod shown;
 mod texts;
 mod update_node;
 mod wire;

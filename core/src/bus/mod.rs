@@ -5,6 +5,7 @@ mod confinement;
 pub mod eddycan;
 pub mod frame;
 pub mod narmotion;
+pub mod slcan;
 
 pub use confinement::{BusState, ErrorState};
 pub use frame::{Frame, Id};

@@ -5,6 +5,8 @@
 mod category;
 mod control;
 mod decimal;
+#[cfg(feature = "engineering")]
+pub mod engineering;
 mod general;
 pub mod number;
 mod own;

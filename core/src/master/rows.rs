@@ -115,3 +115,11 @@ impl DescribedField {
         Decimal { digits: field.raw(words), exponent }
     }
 }
+
+#[cfg(feature = "engineering")]
+impl<'a> From<&'a DescribedParameter> for crate::dictionary::engineering::Scale<'a> {
+    fn from(row: &'a DescribedParameter) -> Self {
+        let DescribedParameter { number, name, unit, exponent, min, max, .. } = row;
+        Self { number: *number, name, unit, exponent: *exponent, min: *min, max: *max }
+    }
+}

@@ -3,11 +3,11 @@
 
 use super::Context;
 use super::trial::Trial;
+use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::motor::State;
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::engineering;
 use narx_sim::plant::{ComparatorConfig, MotorConfig, PlantConfig};
 use std::f64::consts::TAU;
 

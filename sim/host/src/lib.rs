@@ -4,6 +4,8 @@
 #![forbid(unsafe_code)]
 
 pub mod can_log;
+#[cfg(feature = "simulator")]
 pub mod csv;
 pub mod parallel;
+#[cfg(feature = "simulator")]
 pub mod serve;

@@ -11,7 +11,6 @@
 mod bits;
 mod bus;
 mod node;
-pub mod slcan;
 
 pub use bits::{WireBits, arbitration_field, frame_bits, worst_case_bits};
 pub use bus::{Bus, BusStatistics, NotQueued};

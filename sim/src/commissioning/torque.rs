@@ -1,9 +1,9 @@
 //! The load that a commissioned motor can have at each speed.
 
 use super::{CONTINUOUS, Design, Nameplate, TORQUE_POINTS, TWO_PI, VOLTAGE_SHARE, least};
-use crate::engineering;
 use core::fmt;
 use libm::{fmax, fmin, sqrt};
+use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::control::limits::power_rating;
 use narx_core::units::Volts;

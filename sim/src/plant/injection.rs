@@ -1,8 +1,8 @@
 //! Faults with a physical cause: what breaks, not which fault bit comes of it.
 
 use super::phase::Phase;
-use crate::shown::Shown;
 use core::fmt;
+use narx_core::shown::Shown;
 
 /// Something that goes wrong while the plant runs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! One channel: from a distance to the position that the driver's board samples.
 
 use super::{Shaft, Target};
-use crate::shown::Shown;
 use core::fmt;
 use narx_core::bus::eddycan::Position;
 use narx_core::eddycan::MeasuringRange;
+use narx_core::shown::Shown;
 
 /// Measuring ranges, mm; a position on the bus ends at 16 mm.
 const RANGES: core::ops::RangeInclusive<f64> = 0.01..=15.9;

@@ -7,8 +7,8 @@ use narx_core::bus::eddycan::{CobId, FromNode, Layout, SdoAction, SdoOutcome, To
 use narx_core::bus::narmotion::{
     Addresses, DecodeError, FromDrive, Message, MessageId, MessageKind, Priority, ToDrive, Words,
 };
+use narx_core::bus::slcan;
 use narx_core::bus::{Frame, eddycan};
-use narx_sim::can::slcan;
 
 /// Runs an input: any frames.
 pub fn run(data: &[u8]) {

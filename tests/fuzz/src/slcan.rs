@@ -1,7 +1,7 @@
 //! Target: the slcan adapter, with any bytes of a host, and frames of the bus between them.
 
+use narx_core::bus::slcan::{Adapter, Channel, Command, LINE_MAX, NO, YES, decode_frame, encode_frame};
 use narx_core::bus::{Frame, Id};
-use narx_sim::can::slcan::{Adapter, Channel, Command, LINE_MAX, NO, YES, decode_frame, encode_frame};
 
 /// Runs an input: bytes of a host.
 pub fn run(data: &[u8]) {

@@ -5,13 +5,13 @@ use narx_core::bus::eddycan::{
     FromNode, Layout, NmtCommand, NmtState, NodeId, PdoKind, Reading, SdoAction, SdoRequest, Target, ToNode,
 };
 use narx_core::bus::narmotion::{Addresses, Field, MESSAGES, MessageKind, MotorMode, ToDrive, Words};
+use narx_core::bus::slcan;
 use narx_core::bus::{Frame, candump};
 use narx_core::description::Document;
 use narx_core::dictionary::{Dictionary, number};
 use narx_core::node::Identity;
 use narx_core::storage::{Entry, Record};
 use narx_fuzz::program::write_frame;
-use narx_sim::can::slcan;
 use std::path::Path;
 use std::{env, fs};
 

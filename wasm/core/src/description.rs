@@ -6,12 +6,12 @@ use crate::messages::{float, unit};
 use js_sys::{Array, Object};
 use narx_core::bus::narmotion::{Opcode, Signal};
 use narx_core::description::Measure;
+use narx_core::dictionary::engineering::Scale;
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind};
 use narx_core::master::{
     Described, DescribedField, DescribedParameter, DescribedSignal, DescriptionReader, Measurements, Received,
 };
 use narx_core::motor::signal::DRIVE_SIGNALS;
-use narx_sim::engineering::Scale;
 use narx_wasm_values::error::{error, shown, type_error};
 use narx_wasm_values::options::set;
 use std::fmt::Write;

@@ -11,7 +11,7 @@
 //! | `messages.rs` | `decode` | [`narx_core::bus`] |
 //! | `dictionary.rs` | `parameters`, `logRecords` | [`narx_core::dictionary`] |
 //! | `dictionary.rs` | `scopeSignals`, `measurementSignals` | [`narx_core::dictionary`] |
-//! | `slcan.rs` | `SlcanLines`, `openSlcan`, `encodeSlcan`, `closeSlcan` | [`narx_sim::can::slcan`] |
+//! | `slcan.rs` | `SlcanLines`, `openSlcan`, `encodeSlcan`, `closeSlcan` | [`narx_core::bus::slcan`] |
 //!
 //! Names are those of Python in camel case. Values are SI units, speeds mechanical rpm, times seconds from
 //! any beginning.

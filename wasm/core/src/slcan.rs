@@ -1,7 +1,7 @@
 //! Lines of an slcan adapter, for Web Serial.
 
 use js_sys::{Array, Object};
-use narx_sim::can::slcan::{BITRATES, Command, Lines, NO, decode_frame, encode_frame};
+use narx_core::bus::slcan::{BITRATES, Command, Lines, NO, decode_frame, encode_frame};
 use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::frame;
 use wasm_bindgen::prelude::*;

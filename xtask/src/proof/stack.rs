@@ -45,7 +45,7 @@ const KNOWN: Known = Known {
         ("core::ops::function::FnOnce::call_once", &[SINK, CHARACTERS, PIECES]),
         ("core::iter::traits::iterator::Iterator::try_for_each::call", &[SINK, CHARACTERS, PIECES]),
         ("core::fmt::", &[SINK, CHARACTERS]),
-        ("narx_sim::shown::fixed", &[SINK, CHARACTERS]),
+        ("narx_core::shown::fixed", &[SINK, CHARACTERS]),
         // A checkpoint of the drive, or a stored item: few functions, each called so often that its address
         // stays in a register.
         ("postcard::ser::", &[Goes::Own]),

@@ -3,8 +3,8 @@
 //! is kept in a page of RAM that no image occupies, whichever version it is.
 
 use super::register::Register;
+use narx_core::bus::slcan::{BITRATES, Channel, Settings};
 use narx_core::node::ResetCause;
-use narx_sim::can::slcan::{BITRATES, Channel, Settings};
 
 /// Above the settings; RAM that was never written holds something else.
 const MARK: u32 = 0x6E61_7200;

@@ -14,12 +14,12 @@ use cortex_m::peripheral::SCB;
 use heapless::spsc::{Consumer, Producer};
 use narx_boot::Server;
 use narx_core::bus::narmotion::update::UpdateCode;
+use narx_core::bus::slcan::{Adapter, LINE_MAX};
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
 use narx_core::node::update;
 use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::queue::{dequeue, enqueue};
-use narx_sim::can::slcan::{Adapter, LINE_MAX};
 use narx_sim::plant::Plant;
 
 /// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another receives and says nothing.

@@ -4,7 +4,7 @@ use super::column::{Signal, Table, Values};
 use super::name::message_name;
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, MessageKind, Words};
 use narx_core::dictionary::Dictionary;
-use narx_sim::engineering;
+use narx_core::dictionary::engineering;
 
 /// Whose messages count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! One client of the bus: its slcan adapter, between its bytes and the frames that it sends and receives.
 
 use narx_core::bus::Frame;
+use narx_core::bus::slcan::{self, Adapter, NO};
 use narx_sim::bench::BITRATE;
-use narx_sim::can::slcan::{self, Adapter, NO};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError};

@@ -12,8 +12,8 @@
 //! [`Lines`] cuts a stream of bytes, and [`Adapter`] is the adapter itself without its serial port and its
 //! bus.
 
+use super::{Frame, Id};
 use heapless::Vec;
-use narx_core::bus::{Frame, Id};
 
 /// Characters of a line at most, with time stamp and end.
 pub const LINE_MAX: usize = 31;

@@ -1,9 +1,8 @@
 //! Parameters in their units: 4.5 A rather than 4500 of 10^-3 A.
 
+use super::{Decimal, Dictionary, Parameter, Parameters};
 use crate::shown::Shown;
 use core::fmt;
-use narx_core::dictionary::{Decimal, Dictionary, Parameter, Parameters};
-use narx_core::master::DescribedParameter;
 
 /// Scale of a parameter, between its value in its unit and its raw value: of a row of the dictionary, or as a
 /// drive describes it.
@@ -105,13 +104,6 @@ impl<'a> From<&'a Parameter> for Scale<'a> {
         let unit = if row.unit() == "-" { "" } else { row.unit() };
         let (min, max) = (row.min(), row.max());
         Self { number: row.number, name: row.name(), unit, exponent: row.exponent, min, max }
-    }
-}
-
-impl<'a> From<&'a DescribedParameter> for Scale<'a> {
-    fn from(row: &'a DescribedParameter) -> Self {
-        let DescribedParameter { number, name, unit, exponent, min, max, .. } = row;
-        Self { number: *number, name, unit, exponent: *exponent, min: *min, max: *max }
     }
 }
 
