@@ -1,8 +1,10 @@
 //! Objects in the caller's memory that hold no pointers: they may be moved and copied between calls.
 
+use crate::frame::narx_frame_t;
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use core::mem::{align_of, size_of};
+use narx_core::bus::Frame;
 
 /// An opaque type of C, and the object in its memory once it is initialised.
 pub(crate) trait Handle {
@@ -62,4 +64,52 @@ pub(crate) unsafe fn object<'a, H: Handle>(memory: *mut H) -> Result<&'a mut H::
     }
     // SAFETY: the mark shows that the object was written.
     Ok(unsafe { &mut (*marked).object })
+}
+
+/// Calls `call` with the object.
+///
+/// # Safety
+/// As [`object`].
+pub(crate) unsafe fn call<H: Handle>(
+    memory: *mut H,
+    call: impl FnOnce(&mut H::Object) -> Result<(), narx_status_t>,
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    pointer::status(unsafe { object(memory) }.and_then(call))
+}
+
+/// Gives the object a received frame.
+///
+/// # Safety
+/// As [`object`] and [`pointer::read`].
+pub(crate) unsafe fn handle_frame<H: Handle>(
+    memory: *mut H,
+    frame: *const narx_frame_t,
+    handle: impl FnOnce(&mut H::Object, &Frame),
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    let run = || unsafe {
+        handle(object(memory)?, &pointer::read(frame)?.try_into()?);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// Writes the next value of the object to `to`, or returns NARX_NOTHING. It asks the object only if `to` can
+/// be written, so that no value is lost.
+///
+/// # Safety
+/// As [`object`] and [`pointer::write`].
+pub(crate) unsafe fn poll<H: Handle, T: Copy>(
+    memory: *mut H,
+    to: *mut T,
+    next: impl FnOnce(&mut H::Object) -> Option<T>,
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    let run = || unsafe {
+        let object = object(memory)?;
+        pointer::check(to)?;
+        pointer::write(to, next(object).ok_or(NARX_NOTHING)?)
+    };
+    pointer::status(run())
 }

@@ -105,11 +105,7 @@ pub unsafe extern "C" fn narx_tx_driver_handle_frame(
     now: u64,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        handle::object(driver)?.handle_frame(&pointer::read(frame)?.try_into()?, now);
-        Ok(())
-    };
-    pointer::status(run())
+    unsafe { handle::handle_frame(driver, frame, |driver, frame| driver.handle_frame(frame, now)) }
 }
 
 /// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second is ignored on a driver with one
@@ -172,12 +168,7 @@ pub unsafe extern "C" fn narx_tx_driver_poll_frame(
     frame: *mut narx_frame_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let driver = handle::object(driver)?;
-        pointer::check(frame)?;
-        pointer::write(frame, driver.poll_frame().ok_or(NARX_NOTHING)?.into())
-    };
-    pointer::status(run())
+    unsafe { handle::poll(driver, frame, |driver| Some(driver.poll_frame()?.into())) }
 }
 
 /// Writes the NARX_TX_VALUES values to store, or returns NARX_NOTHING. It hands out nothing more until
@@ -188,13 +179,9 @@ pub unsafe extern "C" fn narx_tx_driver_poll_store(
     values: *mut u32,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let driver = handle::object(driver)?;
-        let values: *mut [u32; STORED] = values.cast();
-        pointer::check(values)?;
-        pointer::write(values, driver.poll_store().ok_or(NARX_NOTHING)?.into())
-    };
-    pointer::status(run())
+    unsafe {
+        handle::poll(driver, values.cast::<[u32; STORED]>(), |driver| Some(driver.poll_store()?.into()))
+    }
 }
 
 /// Takes the result of storing the values of narx_tx_driver_poll_store: not 0 if they are stored. A board

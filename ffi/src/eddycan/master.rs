@@ -100,11 +100,7 @@ pub unsafe extern "C" fn narx_tx_master_handle_frame(
     now: u64,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        handle::object(master)?.handle_frame(&pointer::read(frame)?.try_into()?, now);
-        Ok(())
-    };
-    pointer::status(run())
+    unsafe { handle::handle_frame(master, frame, |master, frame| master.handle_frame(frame, now)) }
 }
 
 /// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING.
@@ -115,12 +111,7 @@ pub unsafe extern "C" fn narx_tx_master_poll_frame(
     frame: *mut narx_frame_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(frame)?;
-        pointer::write(frame, master.poll_frame(now).ok_or(NARX_NOTHING)?.into())
-    };
-    pointer::status(run())
+    unsafe { handle::poll(master, frame, |master| Some(master.poll_frame(now)?.into())) }
 }
 
 /// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
@@ -146,13 +137,12 @@ pub unsafe extern "C" fn narx_tx_master_command(
     all: u8,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
+    let run = |master: &mut TxMaster| {
         let command = NmtCommand::decode(command).ok_or(NARX_ERROR_FIELD)?;
         let taken = if all == 0 { master.command(command) } else { master.command_all(command) };
         Ok(taken?)
     };
-    pointer::status(run())
+    unsafe { handle::call(master, run) }
 }
 
 /// Sends a SYNC: every node of the bus samples and sends PDO2. Returns NARX_ERROR_FULL while four messages
@@ -160,14 +150,14 @@ pub unsafe extern "C" fn narx_tx_master_command(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_sync(master: *mut narx_tx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    pointer::status(unsafe { handle::object(master) }.and_then(|master| Ok(master.sync()?)))
+    unsafe { handle::call(master, |master| Ok(master.sync()?)) }
 }
 
 /// Asks the node for PDO3. Returns NARX_ERROR_FULL while four messages wait for the bus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_ask_positions(master: *mut narx_tx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    pointer::status(unsafe { handle::object(master) }.and_then(|master| Ok(master.ask_positions()?)))
+    unsafe { handle::call(master, |master| Ok(master.ask_positions()?)) }
 }
 
 /// Requests the value of an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests. Returns
@@ -175,8 +165,7 @@ pub unsafe extern "C" fn narx_tx_master_ask_positions(master: *mut narx_tx_maste
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_read(master: *mut narx_tx_master_t, number: u8) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe { Ok(handle::object(master)?.request(Request::Read(entry(number)?))?) };
-    pointer::status(run())
+    unsafe { handle::call(master, |master| Ok(master.request(Request::Read(entry(number)?))?)) }
 }
 
 /// Requests to write an entry (NARX_TX_ENTRY_*). Order and errors are those of narx_tx_master_read.
@@ -187,8 +176,7 @@ pub unsafe extern "C" fn narx_tx_master_write(
     value: u32,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe { Ok(handle::object(master)?.request(Request::Write(entry(number)?, value))?) };
-    pointer::status(run())
+    unsafe { handle::call(master, |master| Ok(master.request(Request::Write(entry(number)?, value))?)) }
 }
 
 /// Writes the next answer, or returns NARX_NOTHING.
@@ -198,12 +186,7 @@ pub unsafe extern "C" fn narx_tx_master_poll_answer(
     answer: *mut narx_tx_answer_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(answer)?;
-        pointer::write(answer, master.poll_answer().ok_or(NARX_NOTHING)?.into())
-    };
-    pointer::status(run())
+    unsafe { handle::poll(master, answer, |master| Some(master.poll_answer()?.into())) }
 }
 
 /// Writes the state of the node as known at `now`, microseconds.

@@ -4,7 +4,7 @@ use super::narx_master_t;
 use crate::handle;
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
-use narx_core::master::{Download, DownloadError};
+use narx_core::master::{Download, DownloadError, Master};
 
 /// Data that can be downloaded.
 #[repr(u8)]
@@ -64,17 +64,15 @@ pub unsafe extern "C" fn narx_master_poll_chunk(
     chunk: *mut narx_chunk_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(chunk)?;
-        let piece = master.poll_chunk().ok_or(NARX_NOTHING)?;
+    let next = |master: &mut Master| {
+        let piece = master.poll_chunk()?;
         let mut words = [0; 3];
         for (to, from) in words.iter_mut().zip(piece.words()) {
             *to = *from;
         }
-        pointer::write(chunk, narx_chunk_t { offset: piece.offset, length: piece.words().len() as u8, words })
+        Some(narx_chunk_t { offset: piece.offset, length: piece.words().len() as u8, words })
     };
-    pointer::status(run())
+    unsafe { handle::poll(master, chunk, next) }
 }
 
 /// Returns the result of the download, once all its chunks were taken: NARX_OK, with its length in words,

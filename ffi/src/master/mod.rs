@@ -127,11 +127,7 @@ pub unsafe extern "C" fn narx_master_handle_frame(
     now: u64,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        handle::object(master)?.handle_frame(&pointer::read(frame)?.try_into()?, now);
-        Ok(())
-    };
-    pointer::status(run())
+    unsafe { handle::handle_frame(master, frame, |master, frame| master.handle_frame(frame, now)) }
 }
 
 /// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING. Call it until it
@@ -143,12 +139,7 @@ pub unsafe extern "C" fn narx_master_poll_frame(
     frame: *mut narx_frame_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(frame)?;
-        pointer::write(frame, master.poll_frame(now).ok_or(NARX_NOTHING)?.into())
-    };
-    pointer::status(run())
+    unsafe { handle::poll(master, frame, |master| Some(master.poll_frame(now)?.into())) }
 }
 
 /// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
@@ -174,26 +165,24 @@ pub unsafe extern "C" fn narx_master_next_poll(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_start(master: *mut narx_master_t, rpm: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
+    let run = |master: &mut Master| {
         check_speed(master, rpm)?;
         master.start(rpm);
         Ok(())
     };
-    pointer::status(run())
+    unsafe { handle::call(master, run) }
 }
 
 /// Requests another speed in the same direction, rpm. Returns NARX_ERROR_SPEED as narx_master_start does.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_set_speed(master: *mut narx_master_t, rpm: u16) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
+    let run = |master: &mut Master| {
         check_speed(master, rpm.into())?;
         master.set_speed(rpm);
         Ok(())
     };
-    pointer::status(run())
+    unsafe { handle::call(master, run) }
 }
 
 /// Set-points that the drive accepts unchanged, and the parameters that state them.
@@ -219,16 +208,14 @@ pub unsafe extern "C" fn narx_master_speed_limits(
     limits: *mut narx_speed_limits_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(limits)?;
-        let SpeedLimits { min, max } = master.speed_limits().ok_or(NARX_NOTHING)?;
+    unsafe { handle::poll(master, limits, |master| Some(master.speed_limits()?.into())) }
+}
+
+impl From<SpeedLimits> for narx_speed_limits_t {
+    fn from(SpeedLimits { min, max }: SpeedLimits) -> Self {
         let number = |limit: SpeedLimit| limit.parameter.unwrap_or(u16::MAX);
-        let (min_parameter, max_parameter) = (number(min), number(max));
-        let found = narx_speed_limits_t { min: min.rpm, max: max.rpm, min_parameter, max_parameter };
-        pointer::write(limits, found)
-    };
-    pointer::status(run())
+        Self { min: min.rpm, max: max.rpm, min_parameter: number(min), max_parameter: number(max) }
+    }
 }
 
 /// Checks a set-point. In open loop every set-point passes: the drive runs at a fixed speed.

@@ -85,19 +85,19 @@ pub unsafe extern "C" fn narx_master_poll_answer(
     answer: *mut narx_answer_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let master = handle::object(master)?;
-        pointer::check(answer)?;
-        let Answer { request, result } = master.poll_answer().ok_or(NARX_NOTHING)?;
+    unsafe { handle::poll(master, answer, |master| Some(master.poll_answer()?.into())) }
+}
+
+impl From<Answer> for narx_answer_t {
+    fn from(Answer { request, result }: Answer) -> Self {
         let (status, value) = match result {
             Ok(value) => (NARX_OK, value),
             Err(RequestError::NoAnswer) => (NARX_ERROR_NO_ANSWER, 0),
             Err(RequestError::NotObeyed) => (NARX_ERROR_NOT_OBEYED, 0),
             Err(RequestError::Refused(refusal)) => (refusal.status.into(), refusal.stored),
         };
-        pointer::write(answer, narx_answer_t { request: request.into(), status, value })
-    };
-    pointer::status(run())
+        Self { request: request.into(), status, value }
+    }
 }
 
 use narx_request_kind_t as Kind;
