@@ -1,6 +1,5 @@
 //! Rows as they are written in the source, and their conversion to [`Parameter`]s at compile time: each
-//! distinct number of the ranges and factory values (there are 71) is stored once, and a byte gives its
-//! place.
+//! distinct number of the ranges and factory values is stored once, and a byte gives its place.
 
 use super::category::Category;
 use super::parameter::{Access, Effect, Kind, Parameter};
