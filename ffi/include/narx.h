@@ -1148,7 +1148,8 @@ typedef uint8_t narx_state_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// The meaning of the bus current's reading.
+// The meaning of the bus current's reading. Recordings keep it, but the drive ignores it and takes every
+// reading for [`CurrentMode::Average`].
 enum narx_current_mode_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
@@ -1680,7 +1681,8 @@ typedef struct narx_samples_t {
     uint16_t skew;
     // Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     uint8_t sample_mode;
-    // Kind of bus_current: a narx_current_mode_t.
+    // Kind of bus_current: a narx_current_mode_t. The drive ignores it and takes every reading for
+    // NARX_CURRENT_MODE_AVERAGE.
     uint8_t current_mode;
     // Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t hall;

@@ -56,7 +56,8 @@ pub struct narx_samples_t {
     pub skew: u16,
     /// Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     pub sample_mode: u8,
-    /// Kind of bus_current: a narx_current_mode_t.
+    /// Kind of bus_current: a narx_current_mode_t. The drive ignores it and takes every reading for
+    /// NARX_CURRENT_MODE_AVERAGE.
     pub current_mode: u8,
     /// Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     pub hall: u8,
