@@ -453,8 +453,8 @@ export class Master {
      */
     readonly build: BuildInfo | undefined;
     /**
-     * True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast periods if that is
-     * longer.
+     * True if a frame of the drive was received within the last 0.5 s, or within three of its broadcast
+     * periods if that is longer.
      */
     readonly connected: boolean;
     /**

@@ -25,15 +25,23 @@ export interface BusFrame extends Frame {
     readonly sent: boolean;
 }
 
-/** Arguments of a fault. */
+/** Arguments of a fault; `Bench.injections` says which it takes. */
 export interface InjectionOptions {
-    /** Value of "ambient" in degrees Celsius, of "supply" and "pressure" in V, of "leak" in ohm, of
-     * "hall-glitches" per second. */
     value?: number;
-    /** Phase of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
+    /** Phase, leg or hall line. */
     phase?: "A" | "B" | "C";
-    /** Level of "hall-stuck"; default false. */
+    /** Level of a hall line; default false. */
     high?: boolean;
+}
+
+/** A fault that can be injected, and the options that it takes. */
+export interface InjectionKind {
+    readonly name: InjectionName;
+    /** Its value; absent if it takes none. The example is one that a drive with factory parameters does not
+     * tolerate. */
+    readonly value?: { readonly unit: string; readonly min: number; readonly max: number; readonly example: number };
+    readonly phase: boolean;
+    readonly high: boolean;
 }
 
 /** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
@@ -205,9 +213,9 @@ export class Bench {
      */
     inject(fault: InjectionName, options?: InjectionOptions): void;
     /**
-     * Returns the names of the faults that `inject` knows.
+     * Returns the faults that `inject` knows, and the options that each takes.
      */
-    static injections(): InjectionName[];
+    static injections(): InjectionKind[];
     /**
      * Returns the inputs of the board and their ranges.
      */
@@ -429,7 +437,7 @@ export interface InitOutput {
     readonly bench_fault: (a: number) => any;
     readonly bench_faults: (a: number) => [number, number];
     readonly bench_inject: (a: number, b: any, c: any) => [number, number];
-    readonly bench_injections: () => [number, number];
+    readonly bench_injections: () => any;
     readonly bench_inputs: () => any;
     readonly bench_modes: () => [number, number];
     readonly bench_new: (a: number, b: any) => [number, number, number];

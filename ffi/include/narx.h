@@ -1148,7 +1148,8 @@ typedef uint8_t narx_state_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// The meaning of the bus current's reading.
+// The meaning of the bus current's reading. Recordings keep it, but the drive ignores it and takes every
+// reading for [`CurrentMode::Average`].
 enum narx_current_mode_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
@@ -1680,7 +1681,8 @@ typedef struct narx_samples_t {
     uint16_t skew;
     // Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     uint8_t sample_mode;
-    // Kind of bus_current: a narx_current_mode_t.
+    // Kind of bus_current: a narx_current_mode_t. The drive ignores it and takes every reading for
+    // NARX_CURRENT_MODE_AVERAGE.
     uint8_t current_mode;
     // Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t hall;
@@ -1999,7 +2001,8 @@ typedef struct narx_master_config_t {
     uint8_t master;
     // Not 0: listens only and transmits nothing; default 0.
     uint8_t silent;
-    // Not 0: reads every parameter when the first frame of the drive is received, and after it was lost; default 1.
+    // Not 0: reads every parameter when the first frame of the drive is received, and after it was lost;
+    // default 1.
     uint8_t read_parameters;
     // Number of times that a message is sent before it counts as not answered; default 3.
     uint8_t attempts;
@@ -2027,8 +2030,8 @@ typedef struct narx_speed_limits_t {
 
 // State of a drive, from its last messages.
 typedef struct narx_drive_report_t {
-    // Not 0: a frame of the drive was received within `lost_after` of narx_master_config_t, or within three of its
-    // broadcast periods if that is longer.
+    // Not 0: a frame of the drive was received within `lost_after` of narx_master_config_t, or within three
+    // of its broadcast periods if that is longer.
     uint8_t connected;
     // State: a narx_state_t, or 255 while unknown.
     uint8_t state;
@@ -2633,8 +2636,8 @@ narx_status_t narx_master_set_speed(struct narx_master_t *master,
                                     uint16_t rpm);
 
 // Writes the limits of the set-point in the mode that the drive's parameters enable. Returns NARX_NOTHING
-// before those parameters were received (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters` of
-// narx_master_config_t makes the master read them.
+// before those parameters were received (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters`
+// of narx_master_config_t makes the master read them.
 narx_status_t narx_master_speed_limits(struct narx_master_t *master,
                                        struct narx_speed_limits_t *limits);
 
@@ -2656,9 +2659,9 @@ narx_status_t narx_master_measurement(struct narx_master_t *master,
                                       struct narx_message_t *message,
                                       uint64_t *at);
 
-// Writes the value of a parameter as last received, raw, and the time of its reception (microseconds; `at` may
-// be NULL). Returns NARX_NOTHING while it was not received. It sends nothing on the bus; to read a parameter
-// anew use NARX_REQUEST_KIND_READ.
+// Writes the value of a parameter as last received, raw, and the time of its reception (microseconds; `at`
+// may be NULL). Returns NARX_NOTHING while it was not received. It sends nothing on the bus; to read a
+// parameter anew use NARX_REQUEST_KIND_READ.
 narx_status_t narx_master_parameter(struct narx_master_t *master,
                                     uint16_t number,
                                     int32_t *value,

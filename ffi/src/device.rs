@@ -7,6 +7,7 @@
 
 use crate::board::narx_board_t;
 use crate::frame::narx_frame_t;
+use crate::handle;
 use crate::pointer;
 use crate::pwm::narx_pwm_command_t;
 use crate::samples::narx_samples_t;
@@ -69,8 +70,7 @@ struct Device {
     background: Background<'static, 'static>,
 }
 
-const _: () = assert!(size_of::<Device>() <= size_of::<narx_drive_t>());
-const _: () = assert!(align_of::<Device>() <= align_of::<narx_drive_t>());
+const _: () = handle::assert_room::<Device, narx_drive_t>();
 
 /// Returns the bytes that a drive needs on this processor: at most NARX_DRIVE_SIZE. Any context.
 #[unsafe(no_mangle)]

@@ -18,12 +18,13 @@ pub const NARX_DUTY_ONE: u16 = 1 << 15;
 /// 1 turn of an electrical angle, a wrapping uint16_t.
 pub const NARX_TURN: i32 = 1 << 16;
 
-const _: () = {
-    assert!(I16F16::from_bits(NARX_Q16_ONE).to_bits() == I16F16::ONE.to_bits());
-    assert!(I8F24::from_bits(NARX_IQ24_ONE).to_bits() == I8F24::ONE.to_bits());
-    assert!(I4F12::from_bits(NARX_Q12_ONE as i16).to_bits() == I4F12::ONE.to_bits());
-    assert!(fixed::types::U1F15::from_bits(NARX_DUTY_ONE).to_bits() == fixed::types::U1F15::ONE.to_bits());
-};
+const _: () = assert!(
+    I16F16::from_bits(NARX_Q16_ONE).to_bits() == I16F16::ONE.to_bits()
+        && I8F24::from_bits(NARX_IQ24_ONE).to_bits() == I8F24::ONE.to_bits()
+        && I4F12::from_bits(NARX_Q12_ONE as i16).to_bits() == I4F12::ONE.to_bits()
+        && fixed::types::U1F15::from_bits(NARX_DUTY_ONE).to_bits() == fixed::types::U1F15::ONE.to_bits(),
+    "the header has 1 of every format as a plain number: set it to the core's"
+);
 
 /// Converts a whole number of thousandths (mV, mA, 0.001 degrees) to Q16, rounded to nearest; saturates
 /// beyond 32 767 999. Any context.

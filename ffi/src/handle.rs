@@ -21,9 +21,18 @@ pub(crate) struct Marked<T> {
     object: T,
 }
 
-/// Returns whether the memory has room for its content; for a constant assertion.
-pub(crate) const fn fits<H: Handle>() -> bool {
-    size_of::<Marked<H::Object>>() <= size_of::<H>() && align_of::<Marked<H::Object>>() <= align_of::<H>()
+/// Fails to compile if a handle has no room for its object.
+pub(crate) const fn assert_fits<H: Handle>() {
+    assert_room::<Marked<H::Object>, H>();
+}
+
+/// Fails to compile if an opaque type of C has no room for its content.
+pub(crate) const fn assert_room<Content, Opaque>() {
+    assert!(
+        size_of::<Content>() <= size_of::<Opaque>() && align_of::<Content>() <= align_of::<Opaque>(),
+        "the content has outgrown its opaque type: raise the number of words in `words` of that type (a \
+         NARX_*_WORDS or a plain number), then run `cargo xtask header` and `cargo xtask sizes`"
+    );
 }
 
 /// Returns the bytes that the object needs on this processor.

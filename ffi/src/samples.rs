@@ -17,14 +17,14 @@ pub const NARX_LINE_DSI1: u8 = 4;
 /// Bit of narx_samples_t.lines: DSIO2 as an input.
 pub const NARX_LINE_DSI2: u8 = 8;
 
-// The header has these as plain numbers; they must equal the core's.
-const _: () = {
-    assert!(NARX_EDGES_MAX == EDGES_MAX);
-    assert!(NARX_LINE_DRIVER_FAULT == Lines::DRIVER_FAULT.bits());
-    assert!(NARX_LINE_EMERGENCY == Lines::EMERGENCY.bits());
-    assert!(NARX_LINE_DSI1 == Lines::DSI1.bits());
-    assert!(NARX_LINE_DSI2 == Lines::DSI2.bits());
-};
+const _: () = assert!(
+    NARX_EDGES_MAX == EDGES_MAX
+        && NARX_LINE_DRIVER_FAULT == Lines::DRIVER_FAULT.bits()
+        && NARX_LINE_EMERGENCY == Lines::EMERGENCY.bits()
+        && NARX_LINE_DSI1 == Lines::DSI1.bits()
+        && NARX_LINE_DSI2 == Lines::DSI2.bits(),
+    "the header has these constants as plain numbers: set them to the core's"
+);
 
 /// One time-stamped edge.
 #[repr(C)]
@@ -56,7 +56,8 @@ pub struct narx_samples_t {
     pub skew: u16,
     /// Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     pub sample_mode: u8,
-    /// Kind of bus_current: a narx_current_mode_t.
+    /// Kind of bus_current: a narx_current_mode_t. The drive ignores it and takes every reading for
+    /// NARX_CURRENT_MODE_AVERAGE.
     pub current_mode: u8,
     /// Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     pub hall: u8,

@@ -1,6 +1,7 @@
 //! Memory of the virtual scope, which the caller owns.
 
 use crate::device::{background, narx_drive_t};
+use crate::handle;
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use core::mem::{align_of, size_of};
@@ -18,8 +19,7 @@ pub struct narx_scope_t {
     words: [u64; NARX_SCOPE_WORDS],
 }
 
-const _: () = assert!(size_of::<Memory<[u16; WORDS]>>() <= size_of::<narx_scope_t>());
-const _: () = assert!(align_of::<Memory<[u16; 0]>>() <= align_of::<narx_scope_t>());
+const _: () = handle::assert_room::<Memory<[u16; WORDS]>, narx_scope_t>();
 
 /// Returns the bytes that a scope with room for `samples` needs on this processor. Any context.
 #[unsafe(no_mangle)]

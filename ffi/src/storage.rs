@@ -133,7 +133,7 @@ impl Handle for narx_storage_t {
     const MARK: u32 = u32::from_be_bytes(*b"nstr");
 }
 
-const _: () = assert!(handle::fits::<narx_storage_t>());
+const _: () = handle::assert_fits::<narx_storage_t>();
 
 /// Returns the bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
 #[unsafe(no_mangle)]

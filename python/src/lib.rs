@@ -5,11 +5,11 @@ mod bench;
 mod blocks;
 mod can_log;
 mod description;
-mod dictionary;
 mod error;
 mod experiment;
 mod files;
 mod frame;
+mod log_record;
 mod master;
 mod motor;
 mod recording;
@@ -35,13 +35,13 @@ mod _core {
     #[pymodule_export]
     use crate::description::Description;
     #[pymodule_export]
-    use crate::dictionary::log_records;
-    #[pymodule_export]
     use crate::experiment::{Experiment, experiment_figures, run_experiments};
     #[pymodule_export]
     use crate::files::{dbc, eds, xml};
     #[pymodule_export]
     use crate::frame::{decode, decode_node};
+    #[pymodule_export]
+    use crate::log_record::log_records;
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]

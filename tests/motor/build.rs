@@ -41,6 +41,8 @@ fn gain(gain: Gain) -> f64 {
 const POLE_PAIRS: f64 = 5.0;
 const RPM: f64 = POLE_PAIRS / 60.0;
 
+/// Parameters whose coefficient follows from their own value and the set-up above. Those that act together
+/// with others have tests of their own.
 const ROWS: [Row; 31] = [
     row(number::INITIAL_DUTY, 5.0, |c| fixed(c.control.initial_level), 2.0),
     row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.level), 4.0),
@@ -80,7 +82,7 @@ const ROWS: [Row; 31] = [
 ];
 
 #[test]
-fn every_parameter_reaches_the_tick_in_its_units() {
+fn parameters_that_are_converted_alone_reach_the_tick_in_its_units() {
     let mut parameters = Parameters::new();
     let mut set = |number: u16, value: f64| {
         let exponent = Dictionary::row(number).unwrap().exponent;

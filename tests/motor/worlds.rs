@@ -16,6 +16,9 @@ fn nothing_happens_that_may_not_and_afterwards_the_motor_turns() {
     for (index, kind) in KINDS.iter().enumerate() {
         assert!(stories.iter().any(|story| story.mishaps[index] > 0), "no {}", kind.name());
     }
+    for (index, name) in Injection::NAMES.into_iter().enumerate() {
+        assert!(stories.iter().any(|story| story.injections[index] > 0), "no {name}");
+    }
     for state in State::ALL {
         assert!(stories.iter().any(|story| story.states[state as usize] > 0), "never in {}", state.name());
     }
@@ -53,12 +56,9 @@ fn worlds_add_up() {
 
 #[test]
 fn every_injection_counts_under_its_own_name() {
-    for (index, name) in Injection::NAMES.into_iter().enumerate() {
-        let options = InjectionOptions {
-            value: Some(Injection::some_value(name)),
-            phase: Some(Phase::ALL[0]),
-            high: true,
-        };
-        assert_eq!(Injection::named(name, options).unwrap().index(), index, "{name}");
+    for (index, kind) in Injection::KINDS.iter().enumerate() {
+        let value = kind.value.map(|value| value.example);
+        let options = InjectionOptions { value, phase: kind.phase.then_some(Phase::A), high: kind.high };
+        assert_eq!(Injection::named(kind.name, options).unwrap().index(), index, "{}", kind.name);
     }
 }

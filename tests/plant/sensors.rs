@@ -4,9 +4,11 @@ use crate::driving::sector_at;
 use narx_core::motor::{Board, Edge, EdgeSource, FrontEnd, Lines, PwmCommand, Samples, Step};
 use narx_core::units::Duty;
 use narx_sim::plant::{
-    ComparatorConfig, HallConfig, Injection, InverterConfig, MotorConfig, Phase, Plant, PlantConfig,
+    ComparatorConfig, HallConfig, Injection, InverterConfig, MotorConfig, Observation, Phase, Plant,
+    PlantConfig,
 };
 use narx_sim::random::Random;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// Hall code of each sector: A; A and B; B; B and C; C; C and A.
@@ -79,7 +81,7 @@ fn edges_beyond_four_are_counted() {
 
 #[test]
 fn all_48_wirings_permute_and_invert_the_lines() {
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     for order in 0..6 {
         for polarity in 0..8u8 {
             let hall = HallConfig { order, polarity, ..HallConfig::default() };
@@ -185,7 +187,7 @@ fn everything_injected_shows_and_clears() {
     let bus: Look = |plant| plant.observe().bus_voltage;
     let shunt: Look = |plant| plant.observe().bus_current;
     let hall: Look = |plant| f64::from(coast(plant).hall);
-    let table: [(Injection, Look, f64, f64); 13] = [
+    let table: [(Injection, Look, f64, f64); 15] = [
         (Injection::Ambient(195.0), |plant| plant.ambient(), 25.0, 195.0),
         (Injection::Supply(62.0), bus, 24.0, 62.0),
         (Injection::Leak(2.0), shunt, 0.0, 24.0 / 2.1),
@@ -194,12 +196,16 @@ fn everything_injected_shows_and_clears() {
         (Injection::HallSwapped(Phase::A), hall, 1.0, 2.0),
         (Injection::HallSupplyLost, hall, 1.0, 7.0),
         (Injection::Pressure(2.5), |plant| plant.pressure(), 0.0, 2.5),
+        (Injection::OpenPhase(Phase::A), |plant| sign(drive(plant, 50).current[0]), 1.0, 0.0),
+        (Injection::BlockedRotor, |plant| sign(drive(plant, 50).speed), 1.0, 0.0),
         (Injection::Driver(Phase::B), |plant| flag(plant, Lines::DRIVER_FAULT), 0.0, 1.0),
         (Injection::Break, |plant| flag(plant, Lines::EMERGENCY), 0.0, 1.0),
         (Injection::Dsi1, |plant| flag(plant, Lines::DSI1), 0.0, 1.0),
         (Injection::Dsi2, |plant| flag(plant, Lines::DSI2), 0.0, 1.0),
         (Injection::HallGlitches(1e4), |plant| coast(plant).edges.len().min(1) as f64, 0.0, 1.0),
     ];
+    let kinds: BTreeSet<usize> = table.iter().map(|(injection, ..)| injection.index()).collect();
+    assert!(kinds.into_iter().eq(0..Injection::KINDS.len()), "one row or more of every kind");
     for (injection, look, healthy, broken) in table {
         let mut plant = Plant::new(&coasting(0.0, HallConfig::default()));
         let settle = |plant: &mut Plant| {
@@ -225,22 +231,28 @@ fn flag(plant: &mut Plant, line: Lines) -> f64 {
     f64::from(u8::from(coast(plant).lines.contains(line)))
 }
 
+/// 1 above 0, else 0.
+fn sign(value: f64) -> f64 {
+    f64::from(u8::from(value > 0.0))
+}
+
+/// Lets current through phases A and B for some periods.
+fn drive(plant: &mut Plant, periods: u32) -> Observation {
+    let command = PwmCommand { duty: Duty::from_bits(4000), step: Step::AB, ..PwmCommand::default() };
+    for _ in 0..periods {
+        plant.sample();
+        plant.finish_period(&command);
+    }
+    plant.observe()
+}
+
 #[test]
 fn an_open_phase_and_a_dead_leg_carry_no_current() {
     for injection in [Injection::OpenPhase(Phase::A), Injection::Driver(Phase::A)] {
         let mut plant = Plant::new(&coasting(0.0, HallConfig::default()));
-        let command = PwmCommand { duty: Duty::from_bits(4000), step: Step::AB, ..PwmCommand::default() };
-        for _ in 0..50 {
-            plant.sample();
-            plant.finish_period(&command);
-        }
-        assert!(plant.observe().current[0] > 1.0);
+        assert!(drive(&mut plant, 50).current[0] > 1.0);
         plant.inject(injection);
-        for _ in 0..50 {
-            plant.sample();
-            plant.finish_period(&command);
-        }
-        assert_eq!(plant.observe().current, [0.0; 3], "{injection:?}");
+        assert_eq!(drive(&mut plant, 50).current, [0.0; 3], "{injection:?}");
     }
 }
 

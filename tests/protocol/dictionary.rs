@@ -1,7 +1,8 @@
 //! Tests of the dictionary: numbering, ranges, factory values, error texts.
 
 use narx_core::dictionary::{
-    Access, Decimal, Dictionary, Kind, PARAMETER_COUNT, PRINTED_COUNT, ParameterError, Parameters, number,
+    Access, Decimal, Dictionary, Kind, OWN_FIRST, PARAMETER_COUNT, PRINTED_COUNT, ParameterError, Parameters,
+    number,
 };
 use proptest::prelude::*;
 
@@ -48,12 +49,14 @@ const ANCHORS: [(u16, &str); 39] = [
     (260, "Scope state"),
 ];
 
+/// Last number of the dictionary.
+const OWN_LAST: u16 = OWN_FIRST + (PARAMETER_COUNT - PRINTED_COUNT) as u16 - 1;
+
 #[test]
-fn numbers_are_the_printed_order_without_gaps() {
+fn rows_stand_in_the_order_of_their_numbers_and_our_own_have_no_gaps() {
     assert_eq!(PRINTED_COUNT, 122);
     let numbers: Vec<u16> = Dictionary::rows().map(|row| row.number).collect();
-    let own = 256..256 + u16::try_from(PARAMETER_COUNT - PRINTED_COUNT).unwrap();
-    assert_eq!(numbers, (0..122).chain(own).collect::<Vec<u16>>());
+    assert_eq!(numbers, (0..122).chain(256..=OWN_LAST).collect::<Vec<u16>>());
 }
 
 #[test]
@@ -218,7 +221,7 @@ fn a_set_survives_its_stored_form_and_a_damaged_one_is_refused() {
 
 proptest! {
     #[test]
-    fn a_write_is_taken_exactly_within_the_range(number in 0..=300_u16, raw: i32) {
+    fn a_write_is_taken_exactly_within_the_range(number in 0..=OWN_LAST + 10, raw: i32) {
         let mut parameters = Parameters::new();
         let before = parameters.clone();
         match parameters.set(number, raw) {

@@ -73,7 +73,7 @@ def test_notebook(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_notebooks_are_kept_without_what_they_have_shown() -> None:
-    """The committed notebooks have no output. CONTRIBUTING.md says how to correct a difference."""
+    """The committed notebooks have no output. docs/COMMANDS.md says how to correct a difference."""
     paths = sorted(ROOT.glob("*.ipynb"))
     done = subprocess.run([sys.executable, "-m", "nbstripout", "--verify", *map(str, paths)], check=False)
     assert done.returncode == 0

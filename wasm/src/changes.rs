@@ -4,7 +4,7 @@ use crate::bench::{Bench, load};
 use js_sys::{Array, Object};
 use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::eddycan::Entry;
-use narx_sim::plant::{Injection, InjectionOptions, Input, Phase};
+use narx_sim::plant::{Injection, InjectionKind, InjectionOptions, InjectionValue, Input, Phase};
 use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
 use narx_sim::tx_driver::TxDriverConfig;
 use narx_wasm_values::error::{list, range_error, shown, type_error};
@@ -24,15 +24,23 @@ export interface BusFrame extends Frame {
     readonly sent: boolean;
 }
 
-/** Arguments of a fault. */
+/** Arguments of a fault; `Bench.injections` says which it takes. */
 export interface InjectionOptions {
-    /** Value of "ambient" in degrees Celsius, of "supply" and "pressure" in V, of "leak" in ohm, of
-     * "hall-glitches" per second. */
     value?: number;
-    /** Phase of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
+    /** Phase, leg or hall line. */
     phase?: "A" | "B" | "C";
-    /** Level of "hall-stuck"; default false. */
+    /** Level of a hall line; default false. */
     high?: boolean;
+}
+
+/** A fault that can be injected, and the options that it takes. */
+export interface InjectionKind {
+    readonly name: InjectionName;
+    /** Its value; absent if it takes none. The example is one that a drive with factory parameters does not
+     * tolerate. */
+    readonly value?: { readonly unit: string; readonly min: number; readonly max: number; readonly example: number };
+    readonly phase: boolean;
+    readonly high: boolean;
 }
 
 /** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
@@ -116,10 +124,25 @@ impl Bench {
         Ok(())
     }
 
-    /// Returns the names of the faults that `inject` knows.
-    #[wasm_bindgen(unchecked_return_type = "InjectionName[]")]
-    pub fn injections() -> Vec<String> {
-        Injection::NAMES.map(str::to_owned).to_vec()
+    /// Returns the faults that `inject` knows, and the options that each takes.
+    #[wasm_bindgen(unchecked_return_type = "InjectionKind[]")]
+    pub fn injections() -> Array {
+        let shape = |kind: InjectionKind| {
+            let shaped = Object::new();
+            set(&shaped, "name", kind.name);
+            if let Some(InjectionValue { unit, min, max, example }) = kind.value {
+                let value = Object::new();
+                set(&value, "unit", unit);
+                set(&value, "min", min);
+                set(&value, "max", max);
+                set(&value, "example", example);
+                set(&shaped, "value", value);
+            }
+            set(&shaped, "phase", kind.phase);
+            set(&shaped, "high", kind.high);
+            shaped
+        };
+        Injection::KINDS.into_iter().map(shape).collect()
     }
 
     /// Replaces the load on the shaft; commissioning is not repeated.

@@ -3,7 +3,9 @@
 use super::parameter::Access;
 use serde::{Deserialize, Serialize};
 
-/// Category of a parameter. It decides when the parameter may be written.
+/// Category of a parameter. It decides in which states the parameter may be written ([`Category::access`]),
+/// and whether a write has the coefficients of the tick built anew (`node::parameters`). Calibration is
+/// stored by parameter 257 instead of 256, reset by 258, and left as it is by RESTORE_FACTORY_SETTING.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Category {
     /// 0-CommonInfo

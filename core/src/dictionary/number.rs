@@ -1,5 +1,5 @@
 //! Parameter numbers: 0 to 121 are the rows of Tables 10 and 11 in printed order (5 to 121 are not printed),
-//! from 256 on our own. A number never changes once published.
+//! from 256 on our own, without gaps: a new one takes the next number. A number never changes once published.
 
 // General parameters (Table 10)
 

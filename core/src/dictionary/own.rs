@@ -1,4 +1,5 @@
-//! Our own parameters, from number 256 on.
+//! Our own parameters, from number 256 on, without gaps: [`super::Dictionary`] finds a row by its number. The
+//! steps to a new one are in CONTRIBUTING.md, *A new parameter*.
 
 use super::category::Category::{
     Calibration, CommandSaturation, Control, Diagnostics, Instrumentation, Limitation, Machine, Services,

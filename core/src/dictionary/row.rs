@@ -1,10 +1,9 @@
 //! Rows as they are written in the source, and their conversion to [`Parameter`]s at compile time: each
-//! distinct number of the ranges and factory values (there are 71) is stored once, and a byte gives its
-//! place.
+//! distinct number of the ranges and factory values is stored once, and a byte gives its place.
 
 use super::category::Category;
 use super::parameter::{Access, Effect, Kind, Parameter};
-use super::{PARAMETER_COUNT, PRINTED_COUNT, control, general, own};
+use super::{OWN_FIRST, PARAMETER_COUNT, PRINTED_COUNT, control, general, own};
 
 /// A row as it is written in the source: its range and factory value as the 32 bits that go over the wire.
 #[derive(Clone, Copy)]
@@ -53,6 +52,18 @@ const ROWS: [Row; PARAMETER_COUNT] = {
         at += 1;
     }
     rows
+};
+
+const _: () = {
+    let mut at = 0;
+    while at < PARAMETER_COUNT {
+        let number = if at < PRINTED_COUNT { at } else { at - PRINTED_COUNT + OWN_FIRST as usize };
+        assert!(
+            ROWS[at].parameter.number as usize == number,
+            "rows stand in the order of their numbers without gaps: 0 to 121, then from 256 on"
+        );
+        at += 1;
+    }
 };
 
 /// Every distinct number of the rows.

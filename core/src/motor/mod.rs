@@ -1,4 +1,4 @@
-//! The control tick: a folder a station. `drive` calls them in the order the data flows:
+//! The control tick. Each station has its folder, and `drive` calls them in the order the data flows:
 //!
 //! ```text
 //! samples -> sense (measurement) -> rotor (hall | sensorless: back_emf, zero_crossing, listening | open_loop)

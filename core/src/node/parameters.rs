@@ -21,6 +21,8 @@ const ON_RISING_EDGE: [u16; 8] = [
     number::HALL_CALIBRATE,
 ];
 
+const _: () = assert!(ON_RISING_EDGE.len() <= u8::BITS as usize, "a command more needs a wider `Edges`");
+
 /// Command parameters to which a 0 was written: a rising edge is a written 0, then a written 1. Power-up does
 /// not count as a 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

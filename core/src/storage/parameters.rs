@@ -8,7 +8,8 @@
 use crate::dictionary::{Category, Dictionary, Parameter, Parameters, number};
 use serde::{Deserialize, Serialize};
 
-/// The format that is written, and the newest one that is understood.
+/// The format that is written, and the newest one that is understood. It rises if head or pairs get another
+/// form. A new parameter is one more number and raises nothing.
 pub(super) const FORMAT: u16 = 1;
 const HEAD: usize = 4;
 const PAIR: usize = 6;

@@ -15,7 +15,7 @@ pub struct narx_commutator_t {
     words: [u64; 4],
 }
 
-const _: () = assert!(handle::fits::<narx_commutator_t>());
+const _: () = handle::assert_fits::<narx_commutator_t>();
 
 impl Handle for narx_commutator_t {
     type Object = Commutation;

@@ -21,7 +21,7 @@ pub struct narx_fault_t {
     words: [u64; 28],
 }
 
-const _: () = assert!(handle::fits::<narx_fault_t>());
+const _: () = handle::assert_fits::<narx_fault_t>();
 
 impl Handle for narx_fault_t {
     type Object = Fault;

@@ -15,7 +15,7 @@ pub struct narx_hall_t {
     words: [u64; 15],
 }
 
-const _: () = assert!(handle::fits::<narx_hall_t>());
+const _: () = handle::assert_fits::<narx_hall_t>();
 
 impl Handle for narx_hall_t {
     type Object = Hall;

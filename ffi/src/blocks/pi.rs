@@ -14,7 +14,7 @@ pub struct narx_pi_t {
     words: [u64; 5],
 }
 
-const _: () = assert!(handle::fits::<narx_pi_t>());
+const _: () = handle::assert_fits::<narx_pi_t>();
 
 impl Handle for narx_pi_t {
     type Object = Pi;

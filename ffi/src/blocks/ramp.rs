@@ -13,7 +13,7 @@ pub struct narx_ramp_t {
     words: [u64; 3],
 }
 
-const _: () = assert!(handle::fits::<narx_ramp_t>());
+const _: () = handle::assert_fits::<narx_ramp_t>();
 
 impl Handle for narx_ramp_t {
     type Object = Ramp;

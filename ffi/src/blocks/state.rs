@@ -17,7 +17,7 @@ pub struct narx_state_machine_t {
     words: [u64; 11],
 }
 
-const _: () = assert!(handle::fits::<narx_state_machine_t>());
+const _: () = handle::assert_fits::<narx_state_machine_t>();
 
 impl Handle for narx_state_machine_t {
     type Object = StateMachine;

@@ -18,7 +18,7 @@ pub struct narx_zero_crossing_t {
     words: [u64; 37],
 }
 
-const _: () = assert!(handle::fits::<narx_zero_crossing_t>());
+const _: () = handle::assert_fits::<narx_zero_crossing_t>();
 
 impl Handle for narx_zero_crossing_t {
     type Object = ZeroCrossing;

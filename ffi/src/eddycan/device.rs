@@ -13,7 +13,7 @@ use narx_core::eddycan::{Configuration, MeasuringRange, STORED, Sample, TxDriver
 /// _ENCODER_RESOLUTION, in their order.
 pub const NARX_TX_VALUES: usize = 12;
 
-const _: () = assert!(NARX_TX_VALUES == STORED);
+const _: () = assert!(NARX_TX_VALUES == STORED, "set NARX_TX_VALUES to the core's STORED");
 
 /// 64-bit words of a TX-Driver on any processor.
 pub const NARX_TX_DRIVER_WORDS: usize = 56;
@@ -26,7 +26,7 @@ pub struct narx_tx_driver_t {
     words: [u64; NARX_TX_DRIVER_WORDS],
 }
 
-const _: () = assert!(handle::fits::<narx_tx_driver_t>());
+const _: () = handle::assert_fits::<narx_tx_driver_t>();
 
 impl Handle for narx_tx_driver_t {
     type Object = TxDriver;

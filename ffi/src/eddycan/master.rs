@@ -21,7 +21,7 @@ pub struct narx_tx_master_t {
     words: [u64; NARX_TX_MASTER_WORDS],
 }
 
-const _: () = assert!(handle::fits::<narx_tx_master_t>());
+const _: () = handle::assert_fits::<narx_tx_master_t>();
 
 impl Handle for narx_tx_master_t {
     type Object = TxMaster;
@@ -237,5 +237,7 @@ impl From<Answer> for narx_tx_answer_t {
     }
 }
 
-// An entry's number is its place in the table.
-const _: () = assert!(Entry::FirmwareVersion as usize + 1 == OBJECTS.len());
+const _: () = assert!(
+    Entry::FirmwareVersion as usize + 1 == OBJECTS.len(),
+    "an entry's number is its place in OBJECTS, and FirmwareVersion is the last"
+);

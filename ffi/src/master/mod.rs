@@ -33,7 +33,7 @@ pub struct narx_master_t {
     words: [u64; NARX_MASTER_WORDS],
 }
 
-const _: () = assert!(handle::fits::<narx_master_t>());
+const _: () = handle::assert_fits::<narx_master_t>();
 
 impl Handle for narx_master_t {
     type Object = Master;

@@ -18,7 +18,7 @@ const HEAD: &str = "\
 
 /// Tests that compare the coefficients into which a parameter is built: they show no effect.
 pub(super) const BUILT: [&str; 3] = [
-    "motor::every_parameter_reaches_the_tick_in_its_units",
+    "motor::parameters_that_are_converted_alone_reach_the_tick_in_its_units",
     "motor::what_does_not_fit_is_named_with_what_does",
     "protocol::what_the_tick_gets_is_what_the_set_builds",
 ];

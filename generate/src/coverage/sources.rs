@@ -235,7 +235,7 @@ mod tests_of_the_search {
         let files = BTreeMap::from([("a.rs".to_owned(), items(FILE).unwrap())]);
         let sources = Sources { files, vectors: BTreeMap::new() };
         let there =
-            ["accept", "ToDrive::TriggerScope", "ToDrive::Command", "FaultWord::OVER_VOLTAGE", "number::B"];
+            ["handle", "ToDrive::TriggerScope", "ToDrive::Command", "FaultWord::OVER_VOLTAGE", "number::B"];
         let absent = ["follow", "speed", "Comment", "text", "ToDrive::OVER_VOLTAGE", "number::D"];
         for item in there.iter().chain(&absent) {
             assert_eq!(sources.has_item(&format!("a.rs {item}")), there.contains(item), "{item}");

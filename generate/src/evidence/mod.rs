@@ -29,7 +29,9 @@ type Figures = Map<String, Value>;
 /// # Errors
 /// Fails if figures are missing, or a missed goal has no reason.
 pub fn make(root: &Path) -> Result<Made, String> {
-    let text = render(&read(root)?).map_err(|error| error.to_string())?;
+    let figures = read(root)?;
+    gaps_exist(root, &figures)?;
+    let text = render(&figures).map_err(|error| error.to_string())?;
     Ok(Made {
         summary: format!("{} lines of evidence", text.lines().count()),
         files: vec![(PAGE.into(), text)],
@@ -50,6 +52,15 @@ fn read(root: &Path) -> Result<Figures, String> {
         found.insert(path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), content);
     }
     Ok(found)
+}
+
+/// Checks that every file of the core whose gap is explained exists.
+fn gaps_exist(root: &Path, figures: &Figures) -> Result<(), String> {
+    let gaps = figures.get("gaps").and_then(Value::as_object).into_iter().flatten();
+    let gone = gaps.map(|(name, _)| name).filter(|name| !root.join("core/src").join(name).is_file());
+    let gone: Vec<String> =
+        gone.map(|name| format!("docs/evidence/gaps.toml: there is no core/src/{name}")).collect();
+    if gone.is_empty() { Ok(()) } else { Err(gone.join("\n")) }
 }
 
 fn render(figures: &Figures) -> Result<String, Error> {
@@ -180,6 +191,15 @@ mod tests {
         }
         let error = page("motor/control/pi.rs").unwrap_err();
         assert!(error.contains("\"motor/control/pi.rs\" is explained in docs/evidence/gaps.toml"), "{error}");
+    }
+
+    #[test]
+    fn a_gap_of_a_file_that_is_gone_is_an_error() {
+        let mut figures = read(root()).unwrap();
+        assert_eq!(gaps_exist(root(), &figures), Ok(()));
+        figures["gaps"]["motor/gone.rs"] = json!("a guard");
+        let error = "docs/evidence/gaps.toml: there is no core/src/motor/gone.rs";
+        assert_eq!(gaps_exist(root(), &figures), Err(error.to_owned()));
     }
 
     /// An explanation applies to all mutants of a name, or to none.

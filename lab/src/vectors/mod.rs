@@ -13,7 +13,7 @@ pub use expect::{Expect, Seen, Speed, Wiring};
 pub use run::{Run, run};
 pub use scenario::{Invalid, Of, Scenario};
 
-use narx_core::recording::replay_any;
+use narx_core::recording::{ReadError, ReplayError, replay_any};
 use narx_report::steps;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -143,6 +143,9 @@ fn changed_from(old: Option<&[u8]>) -> String {
     let Some(old) = old else { return "  new".into() };
     match replay_any(old) {
         Ok(outcome) => format!("  was {:016x}", outcome.recorded_digest),
+        Err(ReplayError::Read(ReadError::LayoutVersion { found, .. })) => {
+            format!("  was recorded with layout version {found}")
+        }
         Err(error) => format!("  was: {error}"),
     }
 }

@@ -5,7 +5,7 @@ use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Access, Dictionary, number};
 use narx_core::master::{Download, Request, Service};
 use narx_sim::flash::Tear;
-use narx_sim::plant::{Injection, Phase};
+use narx_sim::plant::{Injection, InjectionOptions, Phase};
 use narx_sim::random::Random;
 
 /// A kind of mishap.
@@ -278,23 +278,24 @@ impl Fate {
         if self.chance(0.05) { Frame::remote(id, length as u8) } else { Frame::data(id, &bytes[..length]) }
     }
 
+    /// Draws an injection. One more draw, or one more kind, renumbers the worlds: the same number then leads
+    /// to another story.
     fn injection(&mut self) -> Injection {
         let phase = self.one(&Phase::ALL);
-        match self.below(14) {
-            0 => Injection::Ambient(self.between(-40.0, 200.0)),
-            1 => Injection::Supply(self.between(5.0, 61.0)),
-            2 => Injection::Leak(self.between(5.0, 200.0)),
-            3 => Injection::Driver(phase),
-            4 => Injection::OpenPhase(phase),
-            5 => Injection::HallStuck { line: phase, high: self.chance(0.5) },
-            6 => Injection::HallSwapped(phase),
-            7 => Injection::HallGlitches(self.between(0.0, 2000.0)),
-            8 => Injection::HallSupplyLost,
-            9 => Injection::BlockedRotor,
-            10 => Injection::Pressure(self.between(0.0, 3.3)),
-            11 => Injection::Break,
-            12 => Injection::Dsi1,
-            _ => Injection::Dsi2,
-        }
+        let kind = self.one(&Injection::KINDS);
+        let value = kind.value.map(|range| {
+            let (low, high) = match kind.name {
+                "ambient" => (-40.0, 200.0),
+                "supply" => (5.0, 61.0),
+                "leak" => (5.0, 200.0),
+                "hall-glitches" => (0.0, 2000.0),
+                "pressure" => (0.0, 3.3),
+                _ => (range.min, range.max),
+            };
+            self.between(low, high)
+        });
+        let high = kind.high && self.chance(0.5);
+        let drawn = kind.with(InjectionOptions { value, phase: Some(phase), high });
+        drawn.unwrap_or_else(|error| panic!("injection {}: {error}", kind.name))
     }
 }

@@ -66,6 +66,10 @@ impl Plant {
         self.apply_injections();
     }
 
+    /// Brings circuit, shaft and sensors into the state that `injected` asks for. The supply comes last,
+    /// because with it the network's constants are computed anew ([`Network::update`]).
+    ///
+    /// [`Network::update`]: super::network::Network::update
     pub(super) fn apply_injections(&mut self) {
         self.stage.arrive();
         self.stage.enter_book();

@@ -1,10 +1,12 @@
-//! Faults with a physical cause: what breaks, not which fault bit comes of it.
+//! Faults with a physical cause: what breaks, not which fault bit comes of it. The steps to a new one are in
+//! docs/design/simulator.md, *A new injection*.
 
 use super::phase::Phase;
 use core::fmt;
 use narx_core::shown::Shown;
 
-/// Something that goes wrong while the plant runs.
+/// Something that goes wrong while the plant runs. The bits in brackets are those of FAULT_WORD that the
+/// drive sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Injection {
     /// Ambient temperature, degrees Celsius (fault bits 0 and 1).
@@ -73,60 +75,117 @@ pub enum InjectionError {
     Phase,
 }
 
+/// Kind of an injection, and the options that it takes.
+#[derive(Clone, Copy, Debug)]
+pub struct InjectionKind {
+    /// Name by which it is chosen.
+    pub name: &'static str,
+    /// Its value; none if it takes none.
+    pub value: Option<InjectionValue>,
+    /// Takes a phase, leg or hall line.
+    pub phase: bool,
+    /// Takes the level of a hall line.
+    pub high: bool,
+    make: fn(f64, Phase, bool) -> Injection,
+}
+
+/// Value that an injection takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InjectionValue {
+    /// Its unit.
+    pub unit: &'static str,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Value that a drive with factory parameters does not tolerate.
+    pub example: f64,
+}
+
+impl InjectionKind {
+    const fn new(name: &'static str, make: fn(f64, Phase, bool) -> Injection) -> Self {
+        Self { name, value: None, phase: false, high: false, make }
+    }
+
+    const fn value(self, unit: &'static str, min: f64, max: f64, example: f64) -> Self {
+        Self { value: Some(InjectionValue { unit, min, max, example }), ..self }
+    }
+
+    const fn phase(self) -> Self {
+        Self { phase: true, ..self }
+    }
+
+    const fn high(self) -> Self {
+        Self { high: true, ..self }
+    }
+
+    /// Returns the injection with these options; those that it does not take are ignored.
+    ///
+    /// # Errors
+    /// An option that it takes is missing or out of range.
+    pub fn with(&self, options: InjectionOptions) -> Result<Injection, InjectionError> {
+        let InjectionOptions { value: given, phase, high } = options;
+        let value = match self.value {
+            None => 0.0,
+            Some(InjectionValue { unit, min, max, .. }) => {
+                let fits = given.filter(|value| (min..=max).contains(value));
+                fits.ok_or(InjectionError::Value { given, min, max, unit })?
+            }
+        };
+        let phase = if self.phase { phase.ok_or(InjectionError::Phase)? } else { Phase::A };
+        Ok((self.make)(value, phase, high))
+    }
+}
+
 impl Injection {
-    /// The names that [`Injection::named`] knows.
-    pub const NAMES: [&str; 14] = [
-        "ambient",
-        "supply",
-        "leak",
-        "driver",
-        "open-phase",
-        "hall-stuck",
-        "hall-swapped",
-        "hall-glitches",
-        "hall-supply-lost",
-        "blocked-rotor",
-        "pressure",
-        "break",
-        "dsi1",
-        "dsi2",
+    /// All kinds, in the order of [`Injection::index`]. The worlds draw from them: a new one changes what
+    /// happens in every world.
+    pub const KINDS: [InjectionKind; 14] = [
+        InjectionKind::new("ambient", |value, _, _| Self::Ambient(value)).value("°C", -55.0, 250.0, 195.0),
+        InjectionKind::new("supply", |value, _, _| Self::Supply(value)).value("V", 0.0, 80.0, 63.0),
+        InjectionKind::new("leak", |value, _, _| Self::Leak(value)).value("ohm", 0.01, 1000.0, 2.0),
+        InjectionKind::new("driver", |_, leg, _| Self::Driver(leg)).phase(),
+        InjectionKind::new("open-phase", |_, phase, _| Self::OpenPhase(phase)).phase(),
+        InjectionKind::new("hall-stuck", |_, line, high| Self::HallStuck { line, high }).phase().high(),
+        InjectionKind::new("hall-swapped", |_, line, _| Self::HallSwapped(line)).phase(),
+        InjectionKind::new("hall-glitches", |value, _, _| Self::HallGlitches(value)).value(
+            "per second",
+            0.0,
+            10_000.0,
+            200.0,
+        ),
+        InjectionKind::new("hall-supply-lost", |_, _, _| Self::HallSupplyLost),
+        InjectionKind::new("blocked-rotor", |_, _, _| Self::BlockedRotor),
+        InjectionKind::new("pressure", |value, _, _| Self::Pressure(value)).value("V", -10.0, 10.0, 3.2),
+        InjectionKind::new("break", |_, _, _| Self::Break),
+        InjectionKind::new("dsi1", |_, _, _| Self::Dsi1),
+        InjectionKind::new("dsi2", |_, _, _| Self::Dsi2),
     ];
+
+    /// The names of all kinds.
+    pub const NAMES: [&str; Self::KINDS.len()] = {
+        let mut names = [""; Self::KINDS.len()];
+        let mut at = 0;
+        while at < names.len() {
+            names[at] = Self::KINDS[at].name;
+            at += 1;
+        }
+        names
+    };
 
     /// The injection of a name. To end one its value does not matter: any that is allowed will do.
     ///
     /// # Errors
     /// An unknown name, or an option that it needs and has not.
     pub fn named(name: &str, options: InjectionOptions) -> Result<Self, InjectionError> {
-        let InjectionOptions { value: given, phase, high } = options;
-        let value = |min: f64, max: f64, unit| {
-            given.filter(|value| (min..=max).contains(value)).ok_or(InjectionError::Value {
-                given,
-                min,
-                max,
-                unit,
-            })
-        };
-        let phase = phase.ok_or(InjectionError::Phase);
-        Ok(match name {
-            "ambient" => Self::Ambient(value(-55.0, 250.0, "degrees C")?),
-            "supply" => Self::Supply(value(0.0, 80.0, "V")?),
-            "leak" => Self::Leak(value(0.01, 1000.0, "ohm")?),
-            "driver" => Self::Driver(phase?),
-            "open-phase" => Self::OpenPhase(phase?),
-            "hall-stuck" => Self::HallStuck { line: phase?, high },
-            "hall-swapped" => Self::HallSwapped(phase?),
-            "hall-glitches" => Self::HallGlitches(value(0.0, 10_000.0, "per second")?),
-            "hall-supply-lost" => Self::HallSupplyLost,
-            "blocked-rotor" => Self::BlockedRotor,
-            "pressure" => Self::Pressure(value(-10.0, 10.0, "V")?),
-            "break" => Self::Break,
-            "dsi1" => Self::Dsi1,
-            "dsi2" => Self::Dsi2,
-            _ => return Err(InjectionError::Unknown),
-        })
+        Self::kind(name).ok_or(InjectionError::Unknown)?.with(options)
     }
 
-    /// Index of its name in [`Injection::NAMES`].
+    fn kind(name: &str) -> Option<&'static InjectionKind> {
+        const { &Self::KINDS }.iter().find(|kind| kind.name == name)
+    }
+
+    /// Index of its kind in [`Injection::KINDS`].
     pub const fn index(&self) -> usize {
         match self {
             Self::Ambient(_) => 0,
@@ -148,10 +207,7 @@ impl Injection {
 
     /// A value that a fault of this name may have, to end it by; 0 for those without one.
     pub fn some_value(name: &str) -> f64 {
-        match Self::named(name, InjectionOptions::default()) {
-            Err(InjectionError::Value { min, .. }) => min,
-            _ => 0.0,
-        }
+        Self::kind(name).and_then(|kind| kind.value).map_or(0.0, |value| value.min)
     }
 }
 

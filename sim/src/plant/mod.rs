@@ -45,7 +45,7 @@ pub use config::{
     PlantConfig, SupplyConfig,
 };
 pub use gates::Gate;
-pub use injection::{Injection, InjectionError, InjectionOptions};
+pub use injection::{Injection, InjectionError, InjectionKind, InjectionOptions, InjectionValue};
 pub use inputs::{Input, InputError};
 pub use ledger::Ledger;
 pub use phase::Phase;

@@ -3,11 +3,12 @@
 use super::Drive;
 use postcard::ser_flavors::Flavor;
 
-/// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of
-/// theirs.
+/// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event), which recordings contain: rises
+/// with every field of theirs, or of a type within them, that is added, removed, moved or changes its type.
 pub const LAYOUT_VERSION: u16 = 10;
 
-/// Version of the drive's answers to its inputs: rises with every change that moves a digest.
+/// Version of the outputs that the drive gives for its inputs: rises with every change that moves the digest
+/// of a drive's recording (`tests/vectors/*.narxrec`).
 pub const BEHAVIOUR_VERSION: u16 = 10;
 
 impl Drive {

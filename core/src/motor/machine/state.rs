@@ -54,7 +54,10 @@ impl State {
         }
     }
 
-    /// PWMs are on (states 2, 3, 4, 5, 7).
+    /// PWMs are on (states 2, 3, 4, 5, 7). The bridge is off in all others. `motor::drive` relies on that to
+    /// observe the terminals, `node::parameters` to change the mode of the next start and, in Standby, to
+    /// calibrate the current to 0, `node::storage` to write a flash that stops the processor, and `node::log`
+    /// to erase the log.
     #[must_use]
     pub const fn is_driving(self) -> bool {
         !matches!(self, Self::Initialization | Self::Standby | Self::Fault)

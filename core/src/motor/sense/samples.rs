@@ -46,7 +46,8 @@ pub enum SampleMode {
     OnTime,
 }
 
-/// The meaning of the bus current's reading.
+/// The meaning of the bus current's reading. Recordings keep it, but the drive ignores it and takes every
+/// reading for [`CurrentMode::Average`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum CurrentMode {

@@ -39,7 +39,10 @@ use serde::de::DeserializeOwned;
 #[allow(unused_imports, reason = "for the documentation")]
 use super::CHUNK_BYTES;
 
-/// Version of the calls: the meaning of the chunks `S` and `C`.
+/// Version of the calls: rises when the bytes of the chunks `S` and `C` get another meaning, that is, with
+/// [`NodeSetup`], [`NodeCall`], [`TxDriverSetup`], [`TxDriverCall`] and every type within them. `NodeSetup`
+/// has a value for every parameter, so a new parameter raises it. Answers are in the digest alone: a change
+/// of them moves the digest and raises nothing.
 pub const CALLS_VERSION: u16 = 1;
 
 /// Stands before the number of repetitions. No call begins with it.

@@ -1,6 +1,6 @@
 // Messages between the page and the worker with the bench.
 
-import type { BenchOptions, BusFrame, InjectionName, Input as BoardInput, MotorName } from "narx";
+import type { BenchOptions, BusFrame, InjectionKind, Input as BoardInput, MotorName } from "narx";
 import type { Input } from "narx/script";
 import type { Run } from "./run";
 
@@ -34,7 +34,7 @@ export type Request =
 
 /** Message from the worker. */
 export type Answer =
-    | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionName[] }
+    | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionKind[] }
     | { kind: "opened"; setup: Setup; speedMin: number; speedMax: number; notes: string[]; tickRate: number }
     | { kind: "ran"; now: Now; rows: Rows; frames: BusFrame[] }
     /** Answer to "seek": rows and frames just before that instant. */

@@ -1,6 +1,6 @@
 // The bench in its worker, as a link, with the functions that only a bench has.
 
-import type { Frame, InjectionName, Input } from "narx";
+import type { Frame, InjectionKind, Input } from "narx";
 import type { Action, Answer, MotorEntry, Now, Request, Setup } from "../bench/messages";
 import type { Run } from "../bench/run";
 import { Rolling } from "../rolling.svelte";
@@ -10,7 +10,7 @@ import type { Link, Listener } from "./link";
 export interface Known {
     motors: MotorEntry[];
     inputs: Input[];
-    injections: InjectionName[];
+    injections: InjectionKind[];
 }
 
 /** A run that was repeated. */
