@@ -2,7 +2,6 @@
 //! (`lab/floor/turn.c`): the control tick is compared with it, and a tick that turns no motor is no fair
 //! comparison.
 
-use crate::promises::Context;
 use narx_core::motor::{Commutation, Commutations, PwmCommand, SampleMode, Samples, Step};
 use narx_core::units::Duty;
 use narx_report::figures::{Figure, Part};
@@ -76,10 +75,10 @@ pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
 const TOLERANCE: f64 = 2.0;
 
 /// Measures how far off its set-point the floor turns the motor.
-pub(crate) fn part(context: &Context<'_>) -> Part {
+pub(crate) fn part(root: &Path) -> Part {
     let mut part = Part::default();
     for mode in MODES {
-        let off = turn(context.root, mode).map(|turned| 100.0 * (turned.rpm / turned.target - 1.0).abs());
+        let off = turn(root, mode).map(|turned| 100.0 * (turned.rpm / turned.target - 1.0).abs());
         let name = format!("the floor drives the simulated motor, {mode}, off its set-point");
         part.figures
             .push(Figure::new(name, off.as_ref().copied().unwrap_or(f64::NAN), "%").at_most(TOLERANCE));

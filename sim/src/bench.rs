@@ -16,6 +16,8 @@ mod node;
 mod scope_memory;
 mod seen;
 mod signals;
+#[cfg(feature = "update")]
+mod slots;
 #[cfg(feature = "tx-drivers")]
 mod tx_drivers;
 
@@ -30,8 +32,6 @@ use crate::flash::{Flash, Sparse};
 use crate::internal_flash::InternalFlash;
 use crate::plant::{Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
-#[cfg(feature = "update")]
-use crate::slots::Slots;
 use crate::trace::Trace;
 #[cfg(feature = "tx-drivers")]
 use crate::tx_driver::TxDrivers;
@@ -47,6 +47,8 @@ use narx_core::recording::{Header, Kind, Recorder};
 use narx_core::storage::{FlashReply, FlashTask};
 use scope_memory::ScopeMemory;
 use seen::Seen;
+#[cfg(feature = "update")]
+use slots::Slots;
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;

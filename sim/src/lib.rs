@@ -34,8 +34,6 @@ pub mod replayed;
 pub mod sensor;
 #[cfg(feature = "alloc")]
 pub mod session;
-#[cfg(feature = "update")]
-mod slots;
 #[cfg(feature = "alloc")]
 pub mod trace;
 #[cfg(feature = "tx-drivers")]

@@ -2,9 +2,9 @@
 //! places that can panic.
 
 use crate::cross;
-use crate::firmware::{Size, size};
+use crate::image::EMBEDDED;
+use crate::image::{Size, size};
 use crate::install;
-use crate::test::rust::EMBEDDED;
 use narx_report::steps::{self, Outcome, output};
 use narx_report::target_directory;
 use std::collections::BTreeMap;

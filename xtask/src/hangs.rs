@@ -1,7 +1,7 @@
 //! Test of the virtual drive's watchdog: each task hangs on command, in a closed run on the machine's own
 //! time.
 
-use crate::firmware::Image;
+use crate::image::Image;
 use crate::qemu;
 use narx_report::steps::Outcome;
 use std::io::{BufRead, BufReader};

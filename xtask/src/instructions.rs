@@ -1,7 +1,8 @@
 //! Exact numbers of instructions of every control tick on a Cortex-M4F: golden figures in
 //! `tests/golden/instructions.toml`.
 
-use crate::firmware::{self, Image};
+use crate::firmware;
+use crate::image::Image;
 use crate::programs::LAB;
 use crate::{floor, qemu, vectors};
 use narx_report::steps::{self, Outcome};

@@ -17,6 +17,7 @@ mod firmware;
 mod floor;
 mod fuzz;
 mod hangs;
+mod image;
 mod install;
 mod instructions;
 mod interop;
@@ -26,6 +27,7 @@ mod others;
 mod programs;
 mod proof;
 mod qemu;
+mod replayer;
 mod sizes;
 mod slots;
 mod small;
@@ -169,7 +171,7 @@ fn main() -> ExitCode {
         Job::Certificate(arguments) => other(LAB, "certificate", arguments),
         Job::Worlds(arguments) => other(LAB, "worlds", arguments),
         Job::Vectors(arguments) => other(LAB, "vectors", arguments),
-        Job::Conformance(Other { arguments }) => finish(conformance::command(root, &arguments)),
+        Job::Conformance(Other { arguments }) => finish(test::conformance(root, &arguments)),
         Job::Generate => generate(root),
         Job::Coverage(arguments) => other(GENERATE, "coverage", arguments),
         Job::Dbc(arguments) => other(GENERATE, "dbc", arguments),

@@ -1,7 +1,7 @@
 //! Control by other people's crates, counted on the emulated Cortex-M4F as ours is: the image of
 //! `firmware/others`.
 
-use crate::test::rust::EMBEDDED;
+use crate::image::EMBEDDED;
 use crate::{install, qemu};
 use narx_report::steps::{self, Outcome};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Images for the slots of the emulated board, signed with the public test key.
 
-use crate::firmware::Image;
+use crate::image::Image;
 use crate::programs::TERMINAL;
 use narx_report::steps::{self, Outcome};
 use narx_report::target_directory;

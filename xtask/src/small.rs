@@ -1,8 +1,8 @@
 //! Flash of the core on a small board, and the bytes that each feature adds to it: golden figures in
 //! `tests/golden/small_board.toml`.
 
+use crate::image::EMBEDDED;
 use crate::install;
-use crate::test::rust::EMBEDDED;
 use crate::{cross, sizes};
 use narx_report::steps::Outcome;
 use narx_report::steps::output;

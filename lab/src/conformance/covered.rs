@@ -1,14 +1,11 @@
 //! Coverage of recordings: states, transitions, faults and events that they contain.
 
+use crate::worlds::Counts;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::machine::state::TRANSITIONS;
 use narx_core::motor::{Drive, Event, PwmCommand, Samples, State, Status};
 use narx_core::recording::{Recording, Replayable, replay_with};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-
-/// Counts by name.
-pub type Counts = BTreeMap<String, u64>;
 
 /// Names of the events that a recording can hold.
 const EVENTS: [&str; 7] = [

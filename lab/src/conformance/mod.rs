@@ -13,7 +13,7 @@ mod replayer;
 mod table;
 
 pub use answer::Answer;
-pub use covered::{Counts, Covered};
+pub use covered::Covered;
 pub use difference::{Difference, locate};
 pub use evidence::{Conformance, Set};
 pub use random::Random;

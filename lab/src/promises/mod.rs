@@ -76,7 +76,7 @@ const PARTS: [(&str, Measure); 11] = [
     ("faults", faults::part),
     ("sweep", sweep::part),
     ("scope", scope::part),
-    ("floor", floor::part),
+    ("floor", |context| floor::part(context.root)),
 ];
 
 /// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.

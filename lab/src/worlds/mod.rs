@@ -13,7 +13,7 @@ mod world;
 
 pub use mishap::{KINDS, Kind};
 pub use never::{Broken, NEVER, Never};
-pub use total::Total;
+pub use total::{Counts, Total};
 pub use windows::{Window, long, windows};
 pub use world::{Story, run};
 

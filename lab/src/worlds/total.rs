@@ -3,12 +3,15 @@
 use super::mishap::KINDS;
 use super::never::NEVER;
 use super::world::{Story, TICK};
-use crate::conformance::Counts;
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_sim::plant::Injection;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt;
+
+/// Counts by name.
+pub type Counts = BTreeMap<String, u64>;
 
 /// Sums over worlds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,7 +8,8 @@ mod stack;
 mod unsafe_files;
 
 use crate::cross::{self, Processor};
-use crate::firmware::{self, Image};
+use crate::firmware;
+use crate::image::Image;
 use crate::install;
 use crate::library::NARX;
 use crate::sizes;

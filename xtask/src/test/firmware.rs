@@ -1,10 +1,11 @@
 //! Tests of the firmware image.
 
 use crate::board;
-use crate::conformance::{ARGUMENTS, Replayer};
-use crate::firmware::{self, Image};
+use crate::firmware;
+use crate::image::EMBEDDED;
+use crate::image::Image;
+use crate::replayer::{ARGUMENTS, Replayer};
 use crate::test::python;
-use crate::test::rust::EMBEDDED;
 use crate::{hangs, instructions, others, proof, qemu, slots, small};
 use narx_report::steps::{self, Outcome, Step};
 use std::path::Path;

@@ -7,8 +7,10 @@ pub(crate) mod rust;
 pub(crate) mod wasm;
 
 use crate::conformance;
+use crate::replayer::Replayer;
 use clap::ValueEnum;
-use narx_report::steps::{Step, run_groups};
+use narx_report::steps::{Outcome, Step, run_groups};
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -41,10 +43,27 @@ pub(crate) fn run(root: &Path, target: Option<Target>) -> ExitCode {
         Target::Firmware => firmware::steps(root),
     });
     let last = vec![
-        Step::new("conformance", || conformance::run(root, targets, &["--vectors"])),
-        Step::new("random recordings", || conformance::run(root, targets, &[] as &[&str])),
+        Step::new("conformance", || conformance::run(root, &replayers(root, targets), &["--vectors"])),
+        Step::new("random recordings", || conformance::run(root, &replayers(root, targets), &[] as &[&str])),
     ];
     run_groups(groups.collect(), last)
+}
+
+/// Programs that replay recordings on these targets.
+fn replayers(root: &Path, targets: &[Target]) -> Vec<Replayer> {
+    let of = |target: &Target| match target {
+        Target::Rust => Vec::new(),
+        Target::Ffi => ffi::replayers(root),
+        Target::Python => python::replayers(root),
+        Target::Wasm => wasm::replayers(root),
+        Target::Firmware => firmware::replayers(root),
+    };
+    targets.iter().flat_map(of).collect()
+}
+
+/// Runs `cargo xtask conformance` on every target.
+pub(crate) fn conformance(root: &Path, arguments: &[OsString]) -> Outcome {
+    conformance::run(root, &replayers(root, &ORDER), arguments)
 }
 
 /// Order in which the targets begin: the longest first, so that none is left alone at the end.

@@ -1,7 +1,7 @@
 //! The Python package: installed into an environment of its own, its stubs checked, its tests run.
 
-use crate::conformance::{ARGUMENTS, Replayer};
 use crate::install;
+use crate::replayer::{ARGUMENTS, Replayer};
 use narx_report::steps::{self, Outcome, Step};
 use narx_report::target_directory;
 use std::path::{Path, PathBuf};

@@ -1,13 +1,11 @@
 //! Tests of the core and the bench on this machine, the build for a target without std, and our files in
 //! other people's tools.
 
+use crate::image::EMBEDDED;
 use crate::programs::{GENERATE, LAB};
 use crate::{callgrind, install, interop};
 use narx_report::steps::Step;
 use std::path::Path;
-
-/// Target of a Cortex-M4 with floating point, as on the boards.
-pub(crate) const EMBEDDED: &str = "thumbv7em-none-eabihf";
 
 /// Steps in their order.
 pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {

@@ -1,7 +1,7 @@
 //! Tests of the WebAssembly build, in Node and in Chromium.
 
-use crate::conformance::{ARGUMENTS, Replayer};
 use crate::install::{self, Package};
+use crate::replayer::{ARGUMENTS, Replayer};
 use crate::web;
 use narx_report::steps::{self, Step};
 use std::path::Path;

@@ -6,12 +6,12 @@ mod package;
 mod threads;
 mod watched;
 
-use crate::conformance::{ARGUMENTS, Replayer};
 use crate::cross::{self, Processor, STRICT};
 use crate::install::{self, Package};
 use crate::library::{self, BENCH, NARX};
 use crate::programs::GENERATE;
 use crate::qemu::{self, Machine};
+use crate::replayer::{ARGUMENTS, Replayer};
 use crate::sizes;
 use build::Build;
 use narx_report::steps::output;

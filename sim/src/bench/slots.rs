@@ -1,7 +1,7 @@
 //! The slots of the virtual drive and its bootloader: signatures, swaps and reverts are those of a board. The
 //! program in an image is not run; the drive takes its version and stays what it is.
 
-use crate::bench::BenchNode;
+use super::BenchNode;
 use crate::flash::Sparse;
 use crate::internal_flash::InternalFlash;
 use narx_boot::sign::SecretKey;
