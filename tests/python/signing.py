@@ -9,7 +9,7 @@ from pathlib import Path
 
 P, ORDER = 2**255 - 19, 2**252 + 27742317777372353535851937790883648493
 D = -121665 * pow(121666, -1, P) % P
-SECRET = bytes.fromhex((Path(__file__).parents[2] / "firmware" / "keys" / "TEST-ONLY.key").read_text())
+SECRET = bytes.fromhex((Path(__file__).parents[2] / "boot" / "keys" / "TEST-ONLY.key").read_text())
 BENCH = 0x4E58_0000
 
 Point = tuple[int, int]
