@@ -22,7 +22,7 @@ use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
 use narx_core::master::{Config, Master, Received, SpeedLimit, SpeedLimits};
 
 /// 64-bit words of a master on any processor.
-pub const NARX_MASTER_WORDS: usize = 544;
+pub const NARX_MASTER_WORDS: usize = 552;
 
 /// The master of one drive: memory that the caller owns. Its content is private to the library; it may be
 /// copied and moved between calls. Calls for one master must not interrupt each other; different masters
