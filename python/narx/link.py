@@ -147,7 +147,7 @@ class BusLink(Link):
         if self._closed:
             raise BusError("the drive's connection was closed")
 
-    def _hear(self, message: can.Message) -> None:
+    def _receive(self, message: can.Message) -> None:
         if message.is_error_frame or message.is_fd:
             return
         with self._changed:
