@@ -69,6 +69,17 @@ fn a_record_is_forced_without_a_trigger() {
     }
 }
 
+/// The samples before a forced trigger do not count as waiting for it.
+#[test]
+fn samples_before_a_forced_trigger_may_take_longer_than_the_wait() {
+    let mut rig = Rig::new(Mode::Hall, Config::default());
+    rig.until(State::Standby);
+    let slow = ScopeSetup { samples: 50, before: 49, prescaler: 200, ..SETUP };
+    let (result, time) = end(&mut rig, Job::CaptureScope { setup: slow, within: 100_000 });
+    assert_eq!(result, Ok(()));
+    assert!((0.98..1.1).contains(&time), "{time} s");
+}
+
 /// A start and a fault are recorded while the job waits for them: neither command ends the other's job.
 #[test]
 fn a_start_is_recorded_while_both_jobs_run() {

@@ -130,7 +130,7 @@ impl Running {
             Step::Arm if setup.trigger == 0 => Step::ReadSamplingTime,
             Step::Arm | Step::Force => Step::ExpectDone,
             Step::ReadSamplingTime => {
-                // The samples before the trigger must have been taken.
+                // A forced trigger counts once the samples before it were taken, however long that takes.
                 let fill = u64::from(setup.before).saturating_mul(u64::from(value as u32));
                 self.at = Some(now.saturating_add(fill));
                 Step::Fill
