@@ -8,7 +8,10 @@ pub use download::{
     narx_chunk_t, narx_download_kind_t, narx_master_abort_download, narx_master_download,
     narx_master_poll_chunk, narx_master_poll_download,
 };
-pub use job::{narx_job_failure_t, narx_job_kind_t, narx_master_begin, narx_master_poll_job};
+pub use job::{
+    narx_job_failure_t, narx_job_kind_t, narx_master_abort_record, narx_master_begin,
+    narx_master_begin_record, narx_master_poll_job, narx_master_poll_record, narx_scope_setup_t,
+};
 pub use requests::{
     narx_answer_t, narx_master_poll_answer, narx_master_request, narx_request_kind_t, narx_request_t,
 };
