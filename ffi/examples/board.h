@@ -17,6 +17,9 @@ int board_receive(narx_frame_t *frame);
 /* Passes a frame to the CAN controller. */
 void board_send(const narx_frame_t *frame);
 
+/* 1 if no more than one frame waits in the controller, the one that is on the bus. */
+int board_sends_at_once(void);
+
 /* Reads temperatures, rails and the other slow inputs. */
 void board_slow_inputs(narx_slow_inputs_t *inputs);
 

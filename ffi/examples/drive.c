@@ -49,6 +49,10 @@ void drive_loop(void)
     while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) {
         board_send(&frame);
     }
+    /* Frames of a download: more than one in the controller would delay the other messages. */
+    if (board_sends_at_once() && narx_drive_poll_bulk_frame(&drive, &frame) == NARX_OK) {
+        board_send(&frame);
+    }
     if (narx_drive_take_reboot(&drive) == NARX_OK) {
         board_reset();
     }

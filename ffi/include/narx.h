@@ -898,7 +898,7 @@ typedef union narx_fields_t {
 #define NARX_TURN (1 << 16)
 
 // 64-bit words of a master on any processor.
-#define NARX_MASTER_WORDS 544
+#define NARX_MASTER_WORDS 552
 
 // Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2
@@ -1029,6 +1029,8 @@ enum narx_status_t
     NARX_ERROR_TIMED_OUT = -42,
     // The hall calibration has not found the sensors.
     NARX_ERROR_NOT_CALIBRATED = -43,
+    // The scope is not armed or forced: it is in another state, or the drive refuses it.
+    NARX_ERROR_SCOPE_REFUSED = -44,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1223,6 +1225,17 @@ enum narx_job_kind_t
     NARX_JOB_KIND_CALIBRATE_HALL = 1,
     // Restarts a stopped drive; ends when it is in Standby or Fault again.
     NARX_JOB_KIND_REBOOT = 2,
+    // Sets the scope up and arms it.
+    NARX_JOB_KIND_ARM_SCOPE = 3,
+    // Triggers the armed scope now.
+    NARX_JOB_KIND_FORCE_SCOPE = 4,
+    // Waits until the scope's record is complete.
+    NARX_JOB_KIND_AWAIT_SCOPE = 5,
+    // Arms the scope and waits for its record; without a trigger it forces the scope as soon as the samples
+    // before the trigger were taken.
+    NARX_JOB_KIND_CAPTURE_SCOPE = 6,
+    // Erases the log; ends when that is done, after minutes for a full memory.
+    NARX_JOB_KIND_ERASE_LOG = 7,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -2073,18 +2086,40 @@ typedef struct narx_chunk_t {
     uint16_t words[3];
 } narx_chunk_t;
 
-// Details of a job that has failed; 0, or 255 for an unknown state, where there are none.
+// Settings of a record of the scope: raw values of its parameters.
+typedef struct narx_scope_setup_t {
+    // Recorded signals, a bit each (parameter 22); 0 records the inputs of every control tick instead.
+    uint32_t channels;
+    // Level of the triggers 1 to 4, thousandths of the signal's base (parameter 292).
+    int32_t level;
+    // Samples of each signal (parameter 23); of a record of inputs, control ticks.
+    uint16_t samples;
+    // Control ticks from one sample to the next (parameter 24).
+    uint16_t prescaler;
+    // Samples from before the trigger (parameter 26), fewer than all.
+    uint16_t before;
+    // Kind of the trigger (parameter 290); 0 for none.
+    uint8_t trigger;
+    // Signal of the triggers 1 to 4 (parameter 291).
+    uint8_t signal;
+} narx_scope_setup_t;
+
+// Details of a job that has failed; 0, or 255 for a state that is unknown or does not matter, where there are
+// none.
 typedef struct narx_job_failure_t {
     // Faults of a drive in Fault: sum of NARX_FAULT_*.
     uint32_t faults;
     // Extended fault code: NARX_CAUSE_*.
     uint16_t cause;
-    // Parameter that does not fit the others, for refusal 2.
+    // Parameter that does not fit the others, for refusal 2 of a start; setting of the scope that is out of
+    // range; parameter that the drive refuses.
     uint16_t parameter;
-    // Reason of a refused start: parameter 276.
+    // Reason of a refused start: parameter 276; of a refused record: parameter 306.
     uint8_t refusal;
-    // State of the drive: a narx_state_t, or 255 while unknown.
+    // State of the drive: a narx_state_t, or 255.
     uint8_t state;
+    // State of the scope: parameter 260, or 255.
+    uint8_t scope;
 } narx_job_failure_t;
 
 // A request to a drive.
@@ -2689,20 +2724,39 @@ narx_status_t narx_master_poll_download(struct narx_master_t *master,
 // Aborts the download; its result is NARX_ERROR_ABORTED.
 narx_status_t narx_master_abort_download(struct narx_master_t *master);
 
-// Begins a job: a narx_job_kind_t, and for a start its speed, mechanical rpm, negative in reverse. A job
-// that is under way ends without a result; narx_master_start, narx_master_stop and narx_master_shut_down end
-// one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as narx_master_start does, and
-// NARX_ERROR_REQUEST for an undefined kind.
+// Begins a job of the motor: a narx_job_kind_t, and for a start its speed, mechanical rpm, negative in
+// reverse. One that is under way ends without a result; narx_master_start, narx_master_stop and
+// narx_master_shut_down end one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as narx_master_start does, and
+// NARX_ERROR_REQUEST for another kind.
 narx_status_t narx_master_begin(struct narx_master_t *master,
                                 uint8_t kind,
                                 int32_t rpm);
 
-// Returns the result of the job: NARX_OK, NARX_NOTHING before its end, or the error, with its details in
-// `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED, NARX_ERROR_TIMED_OUT,
+// Begins a job of the scope or the log: a narx_job_kind_t, its settings (which may be NULL where it arms
+// nothing), and the longest wait for a record, microseconds. One that is under way ends without a result;
+// jobs of the motor go on. Returns NARX_ERROR_SILENT for a silent master, and NARX_ERROR_REQUEST for another
+// kind.
+narx_status_t narx_master_begin_record(struct narx_master_t *master,
+                                       uint8_t kind,
+                                       const struct narx_scope_setup_t *setup,
+                                       uint64_t within);
+
+// Returns the result of the motor's job: NARX_OK, NARX_NOTHING before its end, or the error, with its details
+// in `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED, NARX_ERROR_TIMED_OUT,
 // NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason
 // of the drive's refusal of a parameter.
 narx_status_t narx_master_poll_job(struct narx_master_t *master,
                                    struct narx_job_failure_t *failure);
+
+// Returns the result of the job of the scope or the log, as narx_master_poll_job does. Its own errors:
+// NARX_ERROR_OUT_OF_RANGE for a setting (`parameter`), NARX_ERROR_SCOPE_REFUSED (`refusal`, or `scope` where
+// its state forbids the job), NARX_ERROR_NOT_EQUIPPED without a memory, NARX_ERROR_TIMED_OUT for a record
+// that was not complete in time (`scope`).
+narx_status_t narx_master_poll_record(struct narx_master_t *master,
+                                      struct narx_job_failure_t *failure);
+
+// Ends the job of the scope or the log; its result is NARX_ERROR_ABORTED. What the drive has begun goes on.
+narx_status_t narx_master_abort_record(struct narx_master_t *master);
 
 // Queues a request to the drive. Answers come in the order of the requests. Returns NARX_ERROR_FULL while
 // there are eight requests whose answers were not taken, NARX_ERROR_SILENT for a silent master,

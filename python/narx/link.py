@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from narx import _core
 from narx.errors import BusError, NoAnswerError
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 
 POLL = 0.001
 """Simulated time between two checks of the awaited condition on a bench, s."""
+
+
+Setup: TypeAlias = tuple[int, float, float, float, int, int, int]
+"""Settings of a record: channels, samples, prescaler, before; kind, signal and level of the trigger, raw."""
+NO_SETUP: Setup = (0, 0, 0, 0, 0, 0, 0)
 
 
 class Link(ABC):
@@ -200,6 +206,13 @@ class SteppedLink(Link):
             if message is not None:
                 handle(self.master, message, self.now)
         return True
+
+
+def record(link: Link, job: str, setup: Setup = NO_SETUP, within: float = 0.0) -> None:
+    """Carries out a job of the scope or the log, which ends by itself; raises its error."""
+    link.master.begin_record(job, setup, within)
+    link.wake()
+    link.wait(link.master.poll_record, math.inf)
 
 
 def handle(master: _core.Master, message: can.Message, now: float) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from narx import _core
 from narx.description import Description, describe
 from narx.download import download
-from narx.errors import NoAnswerError, ParameterError
-from narx.link import Link, ask
+from narx.errors import ParameterError
+from narx.link import Link, ask, record
 from narx.names import suggestion
 from narx.parameters import Parameters
 from narx.trace import Trace
@@ -139,16 +139,10 @@ class Log:
     def erase(self, wait: bool = True) -> None:
         """Erases every record; refused while driving. With `wait`, returns when that is done, which takes
         minutes for a full memory; raises NoAnswerError if the drive is lost meanwhile."""
-        ask(self._link, lambda: self._link.master.request("erase log"))
-        if not wait:
-            return
-        idle = 0
-        while idle < 2:
-            self._link.wait(lambda: False, 0.1)
-            erasing = self.state in ("LOG_ERASE_ONGOING", "LOG_ERASE_END")
-            idle = 0 if erasing or len(self) > 0 and self.full else idle + 1
-            if not self._link.master.connected:
-                raise NoAnswerError("the connection to the drive was lost while it erased its log")
+        if wait:
+            record(self._link, "erase log")
+        else:
+            ask(self._link, lambda: self._link.master.request("erase log"))
 
 
 def table(records: list[tuple[int, float, list[tuple[int, int]]]], known: Names) -> Trace:

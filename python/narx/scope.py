@@ -14,27 +14,14 @@ import numpy as np
 from narx import _core
 from narx.description import describe
 from narx.download import download
-from narx.errors import NoAnswerError, ParameterError, RefusedError, SignalError
-from narx.link import Link, ask
+from narx.errors import ParameterError, RefusedError, SignalError
+from narx.link import Link, Setup, record
 from narx.names import suggestion
 from narx.parameters import Parameters
 from narx.trace import Trace
 
-CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE = 22, 23, 24, 25, 26
-STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS = 260, 290, 291, 292, 300, 301
-ROOM, REFUSAL = 305, 306
-
-SIGNALS_A_TICK = 4
-REFUSALS = {
-    1: "no record is stored",
-    2: "a recording is in progress",
-    3: "the samples of all signals exceed the scope memory",
-    4: "the prescaler is too small for this number of signals",
-    5: "all samples are before the trigger",
-    6: "the drive has no memory for this record",
-    7: "an unknown signal is selected",
-}
-"""Meanings of parameter 306."""
+CHANNELS, SAMPLING_TIME, BEFORE = 22, 25, 26
+STATE, TRIGGER, TRIGGER_LEVEL, INPUTS, WORDS = 260, 290, 292, 300, 301
 
 
 class ScopeState(IntEnum):
@@ -146,11 +133,7 @@ class Scope:
         from before the trigger, fewer than `samples`. Raises ParameterError or SignalError for settings that
         the drive does not support, RefusedError while the scope is armed or recording.
         """
-        chosen = [known(name, self._signals) for name in signals]
-        if not chosen:
-            raise ParameterError("signals: must name at least one signal")
-        self._expect_room(len(set(chosen)), samples, prescaler, before)
-        self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << self._signals[name][0] for name in chosen})})
+        record(self._link, "arm scope", self._setup(self._channels(signals), samples, prescaler, trigger, before))
 
     def arm_inputs(self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0) -> None:
         """Sets the scope up to record the inputs of every control tick instead of signals, and arms it;
@@ -159,53 +142,32 @@ class Scope:
         ticks: length of the record, limited by the memory: 34 to 68 ms in 8 KiB, even if more is requested.
         before: ticks from before the trigger, fewer than `ticks`.
         """
-        self._set_up(ticks, 1, trigger or Trigger.forced(), before, {INPUTS: 1})
+        record(self._link, "arm scope", self._setup(0, ticks, 1, trigger, before))
 
-    def _expect_room(self, wide: int, samples: int, prescaler: int, before: int) -> None:
-        room = int(self._parameters[ROOM])
-        if room == 0:
-            raise RefusedError("the drive has no memory for the scope")
-        most, least = room // wide, -(-wide // SIGNALS_A_TICK)
-        of = f"{wide} signal{'s' if wide > 1 else ''}"
-        if samples > most:
-            raise ParameterError(
-                f"samples {samples}: must be 1 to {most} for {of}, because the memory holds {room} words; prescaler {least} or more"
-            )
-        if prescaler < least:
-            raise ParameterError(f"prescaler {prescaler}: must be at least {least} for {of}: the drive reads {SIGNALS_A_TICK} signals per control tick")
-        if before >= samples:
-            raise ParameterError(f"before {before}: must be 0 to {samples - 1}, fewer than samples {samples}")
+    def _channels(self, signals: Iterable[str]) -> int:
+        """Returns the sum of the signals' bits."""
+        bits = {self._signals[known(name, self._signals)][0] for name in signals}
+        if not bits:
+            raise ParameterError("signals: must name at least one signal")
+        return sum(1 << bit for bit in bits)
 
-    def _set_up(self, samples: int, prescaler: int, trigger: Trigger, before: int, what: dict[int, int]) -> None:
-        if self.state in (ScopeState.ARMED, ScopeState.RECORDING):
-            raise RefusedError(f"the scope is {self.state.name.lower()}: force it, or wait until it is done")
-        signal = None if trigger.signal is None else self._signals[known(trigger.signal, self._signals)]
-        self._parameters[INPUTS] = 0
-        self._parameters[SAMPLES] = samples
-        self._parameters[PRESCALER] = prescaler
-        self._parameters[BEFORE] = before
-        for number, value in what.items():
-            self._parameters[number] = value
-        if signal is not None:
-            bit, _, base = signal
-            self._parameters[TRIGGER_SIGNAL] = bit
-            self._parameters[TRIGGER_LEVEL] = trigger.value / base
-        self._parameters[TRIGGER] = trigger.kind
-        self._press()
+    def _setup(self, channels: int, samples: int, prescaler: int, trigger: Trigger | None, before: int) -> Setup:
+        """Returns the settings of a record of signals, or without channels of inputs."""
+        trigger = trigger or Trigger.forced()
+        to_raw = describe(self._link).core.to_raw
+        bit, level = 0, 0
+        if trigger.signal is not None:
+            bit, _, base = self._signals[known(trigger.signal, self._signals)]
+            level = to_raw(TRIGGER_LEVEL, trigger.value / base)
+        return channels, samples, prescaler, before, to_raw(TRIGGER, trigger.kind), bit, level
 
     def force(self) -> None:
         """Triggers the armed scope now. Raises RefusedError if it is not armed."""
-        if self.state is not ScopeState.ARMED:
-            raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed scope can be forced")
-        self._press()
+        record(self._link, "force scope")
 
     def wait(self, timeout: float = 10.0) -> None:
         """Lets time pass until the record is complete, or raises NoAnswerError after `timeout` s."""
-        end = self._link.now + timeout
-        while (state := self.state) is not ScopeState.DONE:
-            if self._link.now >= end:
-                raise NoAnswerError(f"the scope is {state.name.lower()} after {timeout:g} s: the trigger has not occurred")
-            self._link.wait(lambda: False, 0.01)
+        record(self._link, "await scope", within=timeout)
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
         """Downloads the record: a row per sample, `time` in s from the trigger. progress: called with the
@@ -245,8 +207,7 @@ class Scope:
     ) -> Trace:
         """Arms the scope (see `arm`), waits for the trigger at most `timeout` s, or forces it without one,
         and downloads the record."""
-        self.arm(signals, samples, prescaler, trigger, before)
-        self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
+        self._capture(self._setup(self._channels(signals), samples, prescaler, trigger, before), trigger, timeout)
         return self.download()
 
     def record(
@@ -254,16 +215,16 @@ class Scope:
     ) -> ScopeRecording:
         """Records inputs (see `arm_inputs`), waits for the trigger at most `timeout` s, or forces it without
         one, and downloads the recording. ticks, before: control ticks."""
-        self.arm_inputs(ticks, trigger, before)
-        self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
+        self._capture(self._setup(0, ticks, 1, trigger, before), trigger, timeout)
         return self.download_recording()
 
-    def _await(self, trigger: Trigger | None, before: float, timeout: float) -> None:
-        if trigger is None:
-            # The samples before the trigger must have been taken.
-            self._link.wait(lambda: False, before)
-            self.force()
-        self.wait(timeout)
+    def _capture(self, setup: Setup, trigger: Trigger | None, timeout: float) -> None:
+        if trigger is not None and trigger.kind == 0:
+            # Something else forces the scope.
+            record(self._link, "arm scope", setup)
+            record(self._link, "await scope", within=timeout)
+        else:
+            record(self._link, "capture scope", setup, timeout)
 
     def _expect_record(self, inputs: bool) -> None:
         if (state := self.state) is not ScopeState.DONE:
@@ -271,13 +232,6 @@ class Scope:
         if bool(self._parameters[INPUTS]) is not inputs:
             kind, call = ("signals", "download") if inputs else ("inputs", "download_recording")
             raise RefusedError(f"the scope has recorded {kind}: {call}() reads it")
-
-    def _press(self) -> None:
-        try:
-            ask(self._link, lambda: self._link.master.request("trigger scope"))
-        except RefusedError as error:
-            reason = REFUSALS.get(int(self._parameters[REFUSAL]))
-            raise RefusedError(f"{error}: {reason}" if reason else str(error)) from None
 
 
 def known(name: str, signals: Iterable[str]) -> str:

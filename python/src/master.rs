@@ -8,8 +8,8 @@ use crate::state;
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::master::{
-    Answer, Config, Download, Image, Job, JobError, Master as Core, Received, Request, RequestError,
-    SpeedLimits, UpdateProgress,
+    Answer, Config, Download, ErrorKind, Image, Job, JobError, Master as Core, Received, Request,
+    RequestError, ScopeSetup, SpeedLimits, UpdateProgress,
 };
 use narx_core::motor::{FaultWord, State};
 use narx_sim::session::Session;
@@ -210,20 +210,44 @@ impl Master {
             Some(rpm) => Job::Start { rpm: rpm_of(rpm)? },
             None => error::choice("job", job, &JOBS)?,
         };
-        match &self.host {
-            Host::Bench(session) => session.with(py, |session| session.begin(job)),
-            Host::Free(_) => self.with(py, |master, _| master.begin(job)),
-        }
-        .map_err(error::refused)
+        self.begin_job(py, job)
     }
 
-    /// Returns whether the job has ended in success. Raises the error of the job.
+    /// Begins a job of the scope or the log: "arm scope", "force scope", "await scope", "capture scope" or
+    /// "erase log". setup: channels, samples, prescaler, before, and kind, signal and level of the trigger, as
+    /// the parameters have them; within: longest wait for the record, s. `poll_record` returns its end.
+    #[pyo3(signature = (job, setup=(0, 0.0, 0.0, 0.0, 0, 0, 0), within=0.0))]
+    fn begin_record(&self, py: Python<'_>, job: &str, setup: Setup, within: f64) -> PyResult<()> {
+        let (channels, samples, prescaler, before, trigger, signal, level) = setup;
+        let word = |name, value| error::whole(name, value, "", 0.0, u16::MAX.into()).map(|word| word as u16);
+        let setup = ScopeSetup {
+            channels,
+            samples: word("samples", samples)?,
+            prescaler: word("prescaler", prescaler)?,
+            before: word("before", before)?,
+            trigger,
+            signal,
+            level,
+        };
+        let within = microseconds(within);
+        let jobs = [
+            ("arm scope", Job::ArmScope(setup)),
+            ("force scope", Job::ForceScope),
+            ("await scope", Job::AwaitScope { within }),
+            ("capture scope", Job::CaptureScope { setup, within }),
+            ("erase log", Job::EraseLog),
+        ];
+        self.begin_job(py, error::choice("job", job, &jobs)?)
+    }
+
+    /// Returns whether the job of the motor has ended in success. Raises the error of the job.
     fn poll_job(&self, py: Python<'_>) -> PyResult<bool> {
-        match self.with(py, |master, _| master.poll_job()) {
-            None => Ok(false),
-            Some(Ok(())) => Ok(true),
-            Some(Err(error)) => Err(job_error(&self.tables(), error)),
-        }
+        self.ended(self.with(py, |master, _| master.poll_job()))
+    }
+
+    /// Returns whether the job of the scope or the log has ended in success. Raises the error of the job.
+    fn poll_record(&self, py: Python<'_>) -> PyResult<bool> {
+        self.ended(self.with(py, |master, _| master.poll_record()))
     }
 
     /// Requests another speed in the same direction, rpm.
@@ -423,7 +447,7 @@ impl Master {
         let row = number.and_then(|number| tables.row(number));
         match result {
             Ok(raw) => Ok(Some(row.map_or(raw.into(), |row| row.kind.widen(raw)))),
-            Err(error) => Err(request_error(&tables, request, error)),
+            Err(error) => Err(job_error(&tables, JobError::Request(request, error))),
         }
     }
 
@@ -499,6 +523,19 @@ impl Master {
 }
 
 impl Master {
+    fn begin_job(&self, py: Python<'_>, job: Job) -> PyResult<()> {
+        match &self.host {
+            Host::Bench(session) => session.with(py, |session| session.begin(job)),
+            Host::Free(_) => self.with(py, |master, _| master.begin(job)),
+        }
+        .map_err(error::refused)
+    }
+
+    /// Returns whether a job has ended in success.
+    fn ended(&self, end: Option<Result<(), JobError>>) -> PyResult<bool> {
+        end.transpose().map(|end| end.is_some()).map_err(|error| job_error(&self.tables(), error))
+    }
+
     /// Advances the time to `now`; it never goes back.
     fn tell(&self, now: f64) {
         if let Host::Free(free) = &self.host {
@@ -525,32 +562,20 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
 /// Jobs without arguments, by their names.
 const JOBS: [(&str, Job); 2] = [("calibrate hall", Job::CalibrateHall), ("reboot", Job::Reboot)];
 
-/// Converts the error of a job.
-fn job_error(tables: &Tables, error: JobError) -> PyErr {
-    match error {
-        JobError::Request(RequestError::NoAnswer) => {
-            error::no_answer("the drive does not answer: it is off the bus, or driving")
-        }
-        JobError::Request(RequestError::Refused(refusal)) => tables.refusal(&refusal),
-        JobError::Request(error) => error::refused(error),
-        JobError::TimedOut { job: Job::Reboot, .. } => error::no_answer(error),
-        error => error::start(error),
-    }
-}
+/// Settings of a record, as Python passes them.
+type Setup = (u32, f64, f64, f64, u8, u8, i32);
 
-/// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why it
-/// has no answer.
-fn request_error(tables: &Tables, request: Request, error: RequestError) -> PyErr {
-    match error {
-        RequestError::NoAnswer => error::no_answer(match request {
-            Request::Read { number } | Request::Write { number, .. } => {
-                format!("parameter {number}: {error}")
-            }
-            Request::Reboot => format!("{error}: it is off the bus, or driving"),
-            _ => error.to_string(),
-        }),
-        RequestError::Refused(refusal) => tables.refusal(&refusal),
-        RequestError::NotObeyed => error::refused(error),
+/// Converts the error of a job, or of one request. An error about a parameter has the drive's own name and
+/// range.
+fn job_error(tables: &Tables, error: JobError) -> PyErr {
+    if let JobError::Request(_, RequestError::Refused(refusal)) = error {
+        return tables.refusal(&refusal);
+    }
+    match error.kind() {
+        ErrorKind::Start => error::start(error),
+        ErrorKind::Refused => error::refused(error),
+        ErrorKind::NoAnswer => error::no_answer(error),
+        ErrorKind::Parameter | ErrorKind::Range => error::parameter(error),
     }
 }
 

@@ -201,7 +201,9 @@ impl Session {
                 self.master.begin(Job::AwaitStart { rpm })
             }
             job => {
-                self.start = None;
+                if !job.is_record() {
+                    self.start = None;
+                }
                 self.master.begin(job)
             }
         }

@@ -65,6 +65,11 @@ void board_send(const narx_frame_t *frame)
     CHECK_QUIETLY(narx_master_handle_frame(&master, frame, ticks * 100u) == NARX_OK);
 }
 
+int board_sends_at_once(void)
+{
+    return 1;
+}
+
 void board_slow_inputs(narx_slow_inputs_t *inputs)
 {
     memset(inputs, 0, sizeof *inputs);
@@ -130,6 +135,55 @@ static narx_status_t finish_job(narx_job_failure_t *failure)
     return end;
 }
 
+/* Runs until the job of the scope or the log has ended; returns its result. */
+static narx_status_t finish_record(narx_job_failure_t *failure)
+{
+    narx_status_t end = NARX_NOTHING;
+
+    while (end == NARX_NOTHING) {
+        (void)run(1);
+        end = narx_master_poll_record(&master, failure);
+    }
+    return end;
+}
+
+/* A record that the master captures by itself while the motor turns, its download, and settings that are refused. */
+static void record_by_job(void)
+{
+    narx_scope_setup_t setup;
+    narx_job_failure_t failure;
+    narx_chunk_t chunk;
+    uint32_t words = 0;
+    uint32_t received = 0;
+
+    memset(&setup, 0, sizeof setup);
+    setup.channels = 5;
+    setup.samples = 60;
+    setup.prescaler = 1;
+    setup.before = 20;
+    CHECK(narx_master_poll_record(&master, NULL) == NARX_NOTHING);
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_CAPTURE_SCOPE, NULL, 0) == NARX_ERROR_NULL);
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_START, &setup, 0) == NARX_ERROR_REQUEST);
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_CAPTURE_SCOPE, &setup, 1000000u) == NARX_OK);
+    CHECK(finish_record(&failure) == NARX_OK);
+    CHECK(narx_master_download(&master, NARX_DOWNLOAD_KIND_SCOPE, 0, 120) == NARX_OK);
+    while (narx_master_poll_download(&master, &words) == NARX_NOTHING) {
+        (void)run(1);
+        while (narx_master_poll_chunk(&master, &chunk) == NARX_OK) {
+            received = chunk.offset + chunk.length;
+        }
+    }
+    CHECK(words == 120 && received == 120);
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_FORCE_SCOPE, NULL, 0) == NARX_OK);
+    CHECK(finish_record(&failure) == NARX_ERROR_SCOPE_REFUSED && failure.scope == 3);
+    setup.before = 60;
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_ARM_SCOPE, &setup, 0) == NARX_OK);
+    CHECK(finish_record(&failure) == NARX_ERROR_OUT_OF_RANGE && failure.parameter == NARX_PARAMETER_SCOPE_TRIGGER_PHASE);
+    CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_AWAIT_SCOPE, NULL, 1000000u) == NARX_OK);
+    CHECK(narx_master_abort_record(&master) == NARX_OK);
+    CHECK(finish_record(NULL) == NARX_ERROR_ABORTED);
+}
+
 /* A start that the master carries out by itself, and one that another command ends. */
 static void start_by_job(uint8_t running)
 {
@@ -140,6 +194,7 @@ static void start_by_job(uint8_t running)
     CHECK(narx_master_begin(&master, NARX_JOB_KIND_START, RPM) == NARX_OK);
     CHECK(finish_job(&failure) == NARX_OK);
     CHECK(narx_master_report(&master, ticks * 100u, &report) == NARX_OK && report.state == running);
+    record_by_job();
     CHECK(narx_master_begin(&master, NARX_JOB_KIND_REBOOT, 0) == NARX_OK);
     CHECK(finish_job(&failure) == NARX_ERROR_NO_ANSWER && failure.state == 255);
     CHECK(narx_master_stop(&master) == NARX_OK);

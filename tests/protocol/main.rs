@@ -24,6 +24,7 @@ mod master_jobs;
 mod master_limits;
 mod master_link;
 mod master_log;
+mod master_record_jobs;
 mod master_report;
 mod master_requests;
 mod master_update;

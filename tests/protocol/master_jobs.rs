@@ -198,6 +198,6 @@ fn a_drive_is_restarted() {
     // A motor that turns is not restarted.
     assert_eq!(start(&mut rig, 2000).0, Ok(()));
     rig.master.begin(Job::Reboot).unwrap();
-    assert!(matches!(end(&mut rig).0, Err(JobError::Request(_))));
+    assert!(matches!(end(&mut rig).0, Err(JobError::Request(Request::Reboot, _))));
     assert_eq!(rig.master.state(), Some(State::HallClosedLoop));
 }

@@ -30,14 +30,14 @@ def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[st
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot"):
         assert command in shown.stdout
     assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     "command",
-    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update"],
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot"],
 )
 def test_help_has_examples(command: str) -> None:
     shown = run(*command.split(), "--help", virtual=False)
@@ -83,6 +83,16 @@ def test_a_scope_records_what_replays(tmp_path: Path) -> None:
     assert done.returncode == 0 and json.loads(done.stdout)["samples"] >= 200
     assert narx.replay(file).identical
     assert run("scope").returncode == 2
+
+
+def test_the_motor_is_started_stopped_and_calibrated() -> None:
+    ran = run("start", "1500", "--reverse", "--seconds", "0.2", "--json")
+    assert ran.returncode == 0 and json.loads(ran.stdout)["state"] == "hall_closed_loop"
+    refused = run("start", "60000")
+    assert refused.returncode == 2 and refused.stderr.startswith("narx: ")
+    assert run("stop").stdout.startswith("Standby")
+    assert json.loads(run("reboot", "--json").stdout)["state"] == "standby"
+    assert json.loads(run("calibrate-hall", "--yes", "--json").stdout)["state"] == "standby"
 
 
 def test_a_recording_is_replayed(tmp_path: Path) -> None:

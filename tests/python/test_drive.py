@@ -192,10 +192,11 @@ def test_scope_refuses(drive: narx.Drive) -> None:
         drive.scope.capture(["Duty"], samples=10, before=10)
     seen = drive.scope.capture(nine, samples=455, prescaler=3)
     assert len(seen) == 455 and np.diff(seen.time) == pytest.approx(3e-4)
-    # Set up through its parameters alone, the drive refuses such a request itself, and gives the reason.
-    drive.parameters[23] = 4096
-    with pytest.raises(narx.RefusedError, match="refused the request: the samples of all signals exceed the scope memory"):
-        drive.scope._press()
+    # What only the drive checks it refuses itself, with its reason.
+    with pytest.raises(narx.ParameterError, match=r'"Virtual Scop Sampling Prescaler": 20000 is outside 1 to 10000'):
+        drive.scope.arm(["Duty"], prescaler=20_000)
+    with pytest.raises(narx.ParameterError, match=r"^samples 2.5: must be a whole number"):
+        drive.scope.arm(["Duty"], samples=2.5)  # type: ignore[arg-type]
     assert drive.scope.state is narx.ScopeState.DONE
     drive.scope.arm(["Duty"], trigger=narx.Trigger.rising("HV Voltage", 25.0))
     with pytest.raises(narx.RefusedError, match="the scope is armed: force it"):
@@ -205,6 +206,13 @@ def test_scope_refuses(drive: narx.Drive) -> None:
     drive.scope.force()
     drive.scope.wait()
     assert len(drive.scope.download()) == 256
+
+
+def test_scope_records_a_start_that_is_under_way(drive: narx.Drive) -> None:
+    drive.start(1500, wait=False)
+    states = drive.scope.capture(["Drive state"], 100, before=20, trigger=narx.Trigger.state_change())["Drive state"]
+    assert states[19] != states[21]
+    assert drive.wait_for(lambda: drive.state is narx.State.HALL_CLOSED_LOOP)
 
 
 def test_log_is_written_downloaded_and_erased(drive: narx.Drive) -> None:

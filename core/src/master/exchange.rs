@@ -12,8 +12,10 @@ const STORE_ATTEMPTS: u8 = 100;
 pub(super) enum Owner {
     /// The caller.
     Request,
-    /// The job.
+    /// The job of the motor.
     Job,
+    /// The job of the scope or the log.
+    Record,
     /// The download.
     Download,
     /// Reading in the background.

@@ -13,7 +13,7 @@
 //! answers one frame at most.
 //!
 //! Messages are sent by priority: set-point and request word, then requests of the caller in their order,
-//! then those of the job, then the download, then reading of parameters in the background. One message is
+//! then those of the jobs, then the download, then reading of parameters in the background. One message is
 //! under way at a time, so that each answer belongs to its message. An answer that arrives after the
 //! time-out, or twice, may be taken for the answer to the next message on the same parameter.
 //!
@@ -44,7 +44,7 @@ mod waiting;
 pub use described::{DescriptionError, DescriptionReader, Reason};
 pub use download::{Chunk, Download, Progress};
 pub use error::{DownloadError, NotTaken, Refusal, RequestError};
-pub use job::{Job, JobError};
+pub use job::{ErrorKind, Job, JobError, ScopeSetup};
 pub use limits::{SpeedError, SpeedLimit, SpeedLimits};
 pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
@@ -113,7 +113,9 @@ pub struct Master {
     config: Config,
     commands: Commands,
     requests: Requests,
+    /// The job of the motor, and that of the scope or the log.
     jobs: Jobs,
+    records: Jobs,
     transfer: Transfer,
     reader: Reader,
     exchange: Exchange,
@@ -136,6 +138,7 @@ impl Master {
             commands: Commands::default(),
             requests: Requests::default(),
             jobs: Jobs::default(),
+            records: Jobs::default(),
             transfer: Transfer::default(),
             reader: Reader::default(),
             exchange: Exchange::default(),
@@ -253,9 +256,9 @@ impl Master {
     }
 }
 
-/// Jobs, one at a time.
+/// Jobs: at a time one of the motor, and one of the scope or the log.
 impl Master {
-    /// Begins a job; one that is under way ends without a result.
+    /// Begins a job; one of the same kind that is under way ends without a result.
     ///
     /// # Errors
     /// A silent master.
@@ -263,18 +266,29 @@ impl Master {
         if self.config.silent {
             return Err(NotTaken::Silent);
         }
-        self.jobs.begin(job);
+        if job.is_record() { &mut self.records } else { &mut self.jobs }.begin(job);
         Ok(())
     }
 
-    /// Result of the job, once it has ended.
+    /// Result of the motor's job, once it has ended.
     pub fn poll_job(&mut self) -> Option<Result<(), JobError>> {
         self.jobs.poll_end()
     }
 
+    /// Result of the job of the scope or the log, once it has ended.
+    pub fn poll_record(&mut self) -> Option<Result<(), JobError>> {
+        self.records.poll_end()
+    }
+
+    /// Ends the job of the scope or the log; its result is [`JobError::Aborted`]. What the drive has begun
+    /// goes on.
+    pub fn abort_record(&mut self) {
+        self.records.abort();
+    }
+
     /// Returns whether a job is under way.
     pub const fn is_at_work(&self) -> bool {
-        self.jobs.is_running()
+        self.jobs.is_running() || self.records.is_running()
     }
 
     /// Returns whether a start waits until the drive accepts it.
@@ -283,22 +297,26 @@ impl Master {
     }
 
     /// The drive as a job sees it.
-    fn view(&self) -> View {
+    fn view(&self, now: u64) -> View {
         View {
             state: self.state(),
             mode: self.report.status.map(|status| status.value.mode),
             requested: matches!(self.requested(), Some(MotorMode::Drive | MotorMode::Reverse)),
             faults: self.report.faults.map_or_else(FaultWord::empty, |faults| faults.value),
+            logging: self.report.status.map(|status| status.value.logging),
+            connected: self.is_connected(now),
             period: self.config.setpoint_period,
         }
     }
 
-    /// Lets the job look at the drive, and gives its command.
+    /// Lets the jobs look at the drive, and gives their command.
     fn work(&mut self, now: u64) {
-        if !self.jobs.is_running() {
+        if !self.is_at_work() {
             return;
         }
-        let view = self.view();
+        let view = self.view(now);
+        // A job of the scope or the log gives no command.
+        self.records.look(&view, now);
         match self.jobs.look(&view, now) {
             Some(Command::Standby) => self.commands.request(MotorMode::Standby),
             Some(Command::Turn(rpm)) => self.turn(rpm),
@@ -468,7 +486,7 @@ impl Master {
         };
         #[cfg(feature = "update")]
         let next = next.min(self.update.due());
-        let next = if self.jobs.is_running() { next.min(now.saturating_add(LOOK)) } else { next };
+        let next = if self.is_at_work() { next.min(now.saturating_add(LOOK)) } else { next };
         next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
     }
 
@@ -498,6 +516,9 @@ impl Master {
         if let Some(todo) = self.jobs.next() {
             return Some((Owner::Job, todo));
         }
+        if let Some(todo) = self.records.next() {
+            return Some((Owner::Record, todo));
+        }
         if let Some(todo) = self.transfer.next(now) {
             return Some((Owner::Download, todo));
         }
@@ -518,8 +539,12 @@ impl Master {
                 }
             }
             Owner::Job => {
-                let view = self.view();
+                let view = self.view(now);
                 self.jobs.finish(answer, &view, now);
+            }
+            Owner::Record => {
+                let view = self.view(now);
+                self.records.finish(answer, &view, now);
             }
             Owner::Download => self.transfer.finish(answer, now),
             Owner::Reader => self.reader.finish(),

@@ -77,6 +77,38 @@ pub enum Refusal {
     UnknownSignal = 7,
 }
 
+impl Refusal {
+    const ALL: [Self; 8] = [
+        Self::None,
+        Self::NoRecord,
+        Self::Busy,
+        Self::TooLong,
+        Self::TooFast,
+        Self::TooEarly,
+        Self::NoMemory,
+        Self::UnknownSignal,
+    ];
+
+    /// Returns the refusal of this number; `None` (0) for a number that this version does not know.
+    pub fn of(raw: i32) -> Self {
+        Self::ALL.into_iter().find(|refusal| *refusal as i32 == raw).unwrap_or_default()
+    }
+
+    /// Meaning in plain words.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::None => "not refused",
+            Self::NoRecord => "no record is stored",
+            Self::Busy => "a recording is in progress",
+            Self::TooLong => "the samples of all signals exceed the scope memory",
+            Self::TooFast => "the prescaler is too small for this number of signals",
+            Self::TooEarly => "all samples are before the trigger",
+            Self::NoMemory => "the drive has no memory for this record",
+            Self::UnknownSignal => "an unknown signal is selected",
+        }
+    }
+}
+
 /// Three words of the record; zeros follow the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
@@ -101,6 +133,25 @@ pub enum State {
     Recording = 2,
     /// The record can be read.
     Done = 3,
+}
+
+impl State {
+    const ALL: [Self; 4] = [Self::Idle, Self::Armed, Self::Recording, Self::Done];
+
+    /// Returns the state of this number; idle for a number that this version does not know.
+    pub fn of(raw: i32) -> Self {
+        Self::ALL.into_iter().find(|state| *state as i32 == raw).unwrap_or_default()
+    }
+
+    /// Name in plain words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Armed => "armed",
+            Self::Recording => "recording",
+            Self::Done => "done",
+        }
+    }
 }
 
 /// Order to the control tick's half. `H` holds the [`Memory`].

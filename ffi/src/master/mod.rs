@@ -8,7 +8,10 @@ pub use download::{
     narx_chunk_t, narx_download_kind_t, narx_master_abort_download, narx_master_download,
     narx_master_poll_chunk, narx_master_poll_download,
 };
-pub use job::{narx_job_failure_t, narx_job_kind_t, narx_master_begin, narx_master_poll_job};
+pub use job::{
+    narx_job_failure_t, narx_job_kind_t, narx_master_abort_record, narx_master_begin,
+    narx_master_begin_record, narx_master_poll_job, narx_master_poll_record, narx_scope_setup_t,
+};
 pub use requests::{
     narx_answer_t, narx_master_poll_answer, narx_master_request, narx_request_kind_t, narx_request_t,
 };
@@ -22,7 +25,7 @@ use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
 use narx_core::master::{Config, Master, Received, SpeedLimit, SpeedLimits};
 
 /// 64-bit words of a master on any processor.
-pub const NARX_MASTER_WORDS: usize = 544;
+pub const NARX_MASTER_WORDS: usize = 552;
 
 /// The master of one drive: memory that the caller owns. Its content is private to the library; it may be
 /// copied and moved between calls. Calls for one master must not interrupt each other; different masters

@@ -1,0 +1,82 @@
+"""Commands for the motor: each waits until the drive has done it."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from typing import Annotated
+
+import typer
+
+import narx
+from narx.cli.app import JSON, app, connected, examples, out
+from narx.drive import name_of
+
+STOP_MAX = 10.0
+"""Longest wait for Standby, s."""
+
+
+@app.command(epilog=examples("narx -i socketcan -c can0 start 2000", "narx start 1500 --seconds 5 --json"))
+def start(
+    rpm: Annotated[float, typer.Argument(help="Speed, rpm; for reverse, --reverse.")],
+    reverse: Annotated[bool, typer.Option("--reverse", help="Turn in reverse.")] = False,
+    seconds: Annotated[float | None, typer.Option(help="Stops after so long; else at Ctrl-C.")] = None,
+    as_json: Annotated[bool, JSON] = False,
+) -> None:
+    """Starts the motor, runs it, and stops it at the end.
+
+    A drive stops by itself when its master falls silent, so this command stays until Ctrl-C.
+    """
+    with connected() as drive:
+        drive.start(-rpm if reverse else rpm)
+        try:
+            tell(drive, as_json)
+            with suppress(KeyboardInterrupt):
+                drive.wait(float("inf") if seconds is None else seconds)
+        finally:
+            rest(drive)
+
+
+@app.command(epilog=examples("narx -i socketcan -c can0 stop", "narx stop --json"))
+def stop(as_json: Annotated[bool, JSON] = False) -> None:
+    """Stops the motor and acknowledges a fault; ends when the drive is in Standby."""
+    with connected() as drive:
+        rest(drive)
+        tell(drive, as_json)
+
+
+@app.command("calibrate-hall", epilog=examples("narx calibrate-hall", "narx -i socketcan -c can0 calibrate-hall --yes"))
+def calibrate_hall(
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+    as_json: Annotated[bool, JSON] = False,
+) -> None:
+    """Calibrates the hall sensors: the motor turns one electrical revolution each way."""
+    if not yes:
+        typer.confirm("The motor will turn. Calibrate?", abort=True)
+    with connected() as drive:
+        drive.calibrate_hall(run=True)
+        tell(drive, as_json)
+
+
+@app.command(epilog=examples("narx reboot", "narx -i socketcan -c can0 reboot --json"))
+def reboot(as_json: Annotated[bool, JSON] = False) -> None:
+    """Restarts a stopped drive; ends when it is ready again."""
+    with connected() as drive:
+        drive.reboot()
+        tell(drive, as_json)
+
+
+def rest(drive: narx.Drive) -> None:
+    """Stops the motor and waits for Standby."""
+    drive.stop()
+    if not drive.wait_for(lambda: drive.state is narx.State.STANDBY, STOP_MAX):
+        raise narx.NoAnswerError(f"no Standby within {STOP_MAX:g} s: the drive is in {name_of(drive.state)}")
+
+
+def tell(drive: narx.Drive, as_json: bool) -> None:
+    """Prints the state of the drive and its speed."""
+    state, speed = name_of(drive.state), drive.measurements.speed
+    if as_json:
+        print(json.dumps({"state": None if drive.state is None else drive.state.name.lower(), "speed": speed}), flush=True)
+        return
+    out.print(f"{state}" if speed is None else f"{state}, {speed:g} rpm", highlight=False)
