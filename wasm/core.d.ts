@@ -59,6 +59,26 @@ export interface MasterError extends Error {
  * calibration, which ends when the motor is at rest again; a reboot, which ends when the drive is ready. */
 export type JobName = "start" | "calibrate hall" | "reboot";
 
+/** A conversation about the scope or the log: arm, force, or await the scope; capture a record; erase the log. */
+export type RecordJobName = "arm scope" | "force scope" | "await scope" | "capture scope" | "erase log";
+
+/** Settings of a record of the scope: raw values of its parameters. */
+export interface RecordSetup {
+    /** Recorded signals, a bit each; 0 records the inputs of every control tick instead. */
+    channels: number;
+    /** Samples of each signal; of a record of inputs, control ticks. */
+    samples: number;
+    /** Control ticks from one sample to the next. */
+    prescaler: number;
+    /** Samples from before the trigger, fewer than all. */
+    before: number;
+    /** Kind of the trigger (parameter 290); default 0 for none. */
+    trigger?: number;
+    /** Signal of the triggers 1 to 4, and their level in bases of the signal. */
+    signal?: number;
+    level?: number;
+}
+
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
  * error. */
 export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
@@ -309,6 +329,12 @@ export class Master {
      */
     begin(job: JobName, rpm?: number | null): void;
     /**
+     * Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor go
+     * on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a `RangeError`
+     * for a setting that is no whole number of 16 bits.
+     */
+    beginRecord(job: RecordJobName, setup: RecordSetup | undefined, within?: number | null): void;
+    /**
      * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
      * names the limit's parameter and the range. Before the drive's limits were received, only the range of
      * MOTOR_CMD is checked.
@@ -376,6 +402,11 @@ export class Master {
      * Returns whether the job has ended in success. Throws a `MasterError` for one that has failed.
      */
     pollJob(): boolean;
+    /**
+     * Returns whether the job of the scope or the log has ended in success. Throws a `MasterError` for one
+     * that has failed, a `RangeError` for a setting that does not fit.
+     */
+    pollRecord(): boolean;
     /**
      * Returns whether the update has succeeded: the drive runs the image now and keeps it. Throws a
      * `MasterError` for one that failed; the previous image then still runs.
@@ -698,6 +729,7 @@ export interface InitOutput {
     readonly master_acceptedSpeed: (a: number) => number;
     readonly master_asksToTurn: (a: number) => number;
     readonly master_begin: (a: number, b: any, c: number, d: number) => [number, number];
+    readonly master_beginRecord: (a: number, b: any, c: any, d: number, e: number) => [number, number];
     readonly master_build: (a: number) => any;
     readonly master_checkSpeed: (a: number, b: number) => [number, number];
     readonly master_connected: (a: number) => number;
@@ -723,6 +755,7 @@ export interface InitOutput {
     readonly master_pollDownload: (a: number) => [number, number, number];
     readonly master_pollFrame: (a: number, b: number) => any;
     readonly master_pollJob: (a: number) => [number, number, number];
+    readonly master_pollRecord: (a: number) => [number, number, number];
     readonly master_pollUpdate: (a: number) => [number, number, number];
     readonly master_read: (a: number, b: any) => [number, number];
     readonly master_readParameters: (a: number) => void;

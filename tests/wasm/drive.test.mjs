@@ -139,6 +139,24 @@ test("the scope records signals around its trigger", async () => {
     }
 });
 
+test("a record is awaited beside a start, and forced by hand", async () => {
+    const pump = await running();
+    const { drive } = pump;
+    drive.stop();
+    await pump.run(drive.wait(1));
+    const setup = { samples: 50, before: 10, trigger: { kind: "state change" } };
+    const [taken] = await pump.run(Promise.all([drive.scope.capture(["Drive state"], setup, 5), drive.start(1500)]));
+    assert.equal(taken.time.length, 50);
+    const waiting = drive.scope.capture(["Duty"], { samples: 20, trigger: { kind: "forced" } });
+    await pump.run(drive.wait(0.3));
+    await pump.run(drive.scope.force());
+    assert.equal((await pump.run(waiting)).time.length, 20);
+    await pump.run(drive.scope.arm(["Duty"]));
+    const ended = assert.rejects(drive.scope.wait(1), { name: "RefusedError", message: "the scope's record was ended by another command" });
+    await assert.rejects(pump.run(drive.scope.wait(0.2)), { name: "NoAnswerError", message: "the scope is armed after 0.2 s: the trigger has not occurred" });
+    await ended;
+});
+
 test("the scope's record of inputs replays to the bits of the drive", async () => {
     const pump = await running();
     const { recording, agrees } = await pump.run(pump.drive.scope.record({ samples: 600 }));

@@ -1,7 +1,7 @@
 // A master, and the calls that wait for it. No call blocks, and there is no clock: the owner of a drive
 // passes frames and times, and promises settle during those calls.
 
-import { Master, parameters, type Chunk, type Frame, type JobName, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
+import { Master, parameters, type Chunk, type Frame, type JobName, type MasterError, type MasterOptions, type Progress, type RecordJobName, type RecordSetup, type UpdateProgress } from "./core.js";
 
 import { tablesOf, type Tables } from "./description.js";
 
@@ -33,7 +33,10 @@ interface Download {
 }
 
 interface Job {
-    readonly name: JobName;
+    /** Name in an error. */
+    readonly name: string;
+    /** Returns whether the job has ended; throws its error. */
+    readonly poll: () => boolean;
     readonly resolve: () => void;
     readonly reject: (error: unknown) => void;
 }
@@ -58,7 +61,8 @@ export class Link {
     #downloads: Download[] = [];
     #download: Download | undefined;
     #update: Update | undefined;
-    #job: Job | undefined;
+    /** Jobs under way: of the motor, and of the scope or the log. */
+    readonly #jobs = new Map<"motor" | "record", Job>();
     #tables: Tables;
     /** Numbers of the parameters in this package's own tables. */
     #own: ReadonlySet<number>;
@@ -96,6 +100,11 @@ export class Link {
         return this.#download !== undefined || this.#downloads.length > 0;
     }
 
+    /** True while a job of the scope or the log is under way. */
+    get records(): boolean {
+        return this.#jobs.has("record");
+    }
+
     handleFrame(frame: Frame, now: number): void {
         this.#now = Math.max(this.#now, now);
         this.master.handleFrame(frame, this.#now);
@@ -117,12 +126,27 @@ export class Link {
         }
     }
 
-    /** Begins a job of the master, and waits for its end. A job that is under way is rejected. */
+    /** Begins a job of the motor, and waits for its end. One that is under way is rejected. */
     job(name: JobName, rpm?: number): Promise<void> {
+        const { master } = this;
+        return this.#carryOut("motor", name, () => master.begin(name, rpm), () => master.pollJob());
+    }
+
+    /** Begins a job of the scope or the log, and waits for its end. One that is under way is rejected; jobs of
+     * the motor go on. */
+    record(name: RecordJobName, setup?: RecordSetup, within = 0): Promise<void> {
+        const { master } = this;
+        const shown = name === "erase log" ? "erase of the log" : "scope's record";
+        return this.#carryOut("record", shown, () => master.beginRecord(name, setup, within), () => master.pollRecord());
+    }
+
+    #carryOut(kind: "motor" | "record", name: string, begin: () => void, poll: () => boolean): Promise<void> {
         return new Promise((resolve, reject) => {
-            this.master.begin(name, rpm);
-            this.#job?.reject(failure("StartError", `the ${this.#job.name} was ended by another command`));
-            this.#job = { name, resolve, reject };
+            begin();
+            const error = kind === "motor" ? "StartError" : "RefusedError";
+            const former = this.#jobs.get(kind);
+            former?.reject(failure(error, `the ${former.name} was ended by another command`));
+            this.#jobs.set(kind, { name, poll, resolve, reject });
         });
     }
 
@@ -228,18 +252,16 @@ export class Link {
     }
 
     #work(): void {
-        const job = this.#job;
-        if (job === undefined) {
-            return;
-        }
-        try {
-            if (this.master.pollJob()) {
-                this.#job = undefined;
-                job.resolve();
+        for (const [kind, job] of this.#jobs) {
+            try {
+                if (job.poll()) {
+                    this.#jobs.delete(kind);
+                    job.resolve();
+                }
+            } catch (error) {
+                this.#jobs.delete(kind);
+                job.reject(error);
             }
-        } catch (error) {
-            this.#job = undefined;
-            job.reject(error);
         }
     }
 

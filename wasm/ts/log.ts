@@ -7,7 +7,7 @@ import {
     type ParameterName,
     type Progress,
 } from "./core.js";
-import { failure, type Link } from "./link.js";
+import type { Link } from "./link.js";
 import { Parameters } from "./parameters.js";
 import type { Tables } from "./description.js";
 import type { Table } from "./table.js";
@@ -134,15 +134,7 @@ export class Log {
     /** Erases every record; refused while driving. With `wait`, resolves when that is done, which takes
      * minutes for a full memory. */
     async erase(wait = true): Promise<void> {
-        await this.#link.ask(() => this.#link.master.request("erase log"));
-        for (let idle = 0; wait && idle < 2; ) {
-            await this.#link.wait(() => false, 0.1);
-            const erasing = this.state === "LOG_ERASE_ONGOING" || this.state === "LOG_ERASE_END";
-            idle = erasing || ((await this.length()) > 0 && (await this.full())) ? 0 : idle + 1;
-            if (!this.#link.master.connected) {
-                throw failure("NoAnswerError", "the connection to the drive was lost while it erased its log");
-            }
-        }
+        await (wait ? this.#link.record("erase log") : this.#link.ask(() => this.#link.master.request("erase log")));
     }
 }
 

@@ -1,28 +1,12 @@
 // The virtual scope of a drive: it records signals of the control tick, tick by tick.
 
-import type { Progress, ScopeSignal, ScopeSignalName } from "./core.js";
+import type { Progress, RecordSetup, ScopeSignal, ScopeSignalName } from "./core.js";
 import type { ScopeRecording } from "./lab.js";
 import { failure, type Link } from "./link.js";
 import { Parameters } from "./parameters.js";
 import type { Table } from "./table.js";
 
-const [CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE] = [22, 23, 24, 25, 26];
-const [STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS] = [260, 290, 291, 292, 300, 301];
-
-const [ROOM, REFUSAL] = [305, 306];
-/** Signals that the drive reads in a control tick. */
-const SIGNALS_A_TICK = 4;
-/** Meanings of parameter 306. */
-const REFUSALS: readonly (string | undefined)[] = [
-    undefined,
-    "no record is stored",
-    "a recording is in progress",
-    "the samples of all signals exceed the scope memory",
-    "the prescaler is too small for this number of signals",
-    "all samples are before the trigger",
-    "the drive has no memory for this record",
-    "an unknown signal is selected",
-];
+const [CHANNELS, SAMPLING_TIME, BEFORE, STATE, INPUTS, WORDS] = [22, 25, 26, 260, 300, 301];
 
 /** State of the scope (parameter 260). */
 export type ScopeState = "idle" | "armed" | "recording" | "done";
@@ -77,88 +61,60 @@ export class Scope {
     /** Sets the scope up and arms it. Rejects with a "RefusedError" while it is armed or recording, with a
      * RangeError for settings that the drive does not support. */
     async arm(signals: readonly ScopeSignalName[], setup: ScopeSetup = {}): Promise<void> {
-        const known = this.signals;
-        const bits = new Set(signals.map((name) => find(known, name).bit));
-        if (bits.size === 0) {
-            throw new TypeError("signals: must name at least one signal");
-        }
-        await this.#expectRoom(bits.size, setup);
-        const channels = [...bits].reduce((sum, bit) => sum + 2 ** bit, 0);
-        await this.#setUp(setup, 256, [[CHANNELS, channels]]);
+        await this.#link.record("arm scope", this.#settings(setup, 256, this.#channels(signals)));
     }
 
     /** Sets the scope up to record the inputs of every control tick, and arms it; `downloadRecording` makes a
      * recording of them. The memory holds 34 to 68 ms. */
     async armInputs(setup: Omit<ScopeSetup, "prescaler"> = {}): Promise<void> {
-        await this.#setUp(setup, 400, [[INPUTS, 1]]);
+        await this.#link.record("arm scope", this.#settings(setup, 400, 0));
     }
 
-    async #expectRoom(wide: number, { samples = 256, prescaler = 1, before = 0 }: ScopeSetup): Promise<void> {
-        const room = await this.#parameters.get(ROOM);
-        if (room === 0) {
-            throw failure("RefusedError", "the drive has no memory for the scope");
+    /** Returns the sum of the signals' bits. */
+    #channels(signals: readonly ScopeSignalName[]): number {
+        const known = this.signals;
+        const bits = new Set(signals.map((name) => find(known, name).bit));
+        if (bits.size === 0) {
+            throw new TypeError("signals: must name at least one signal");
         }
-        const [most, least] = [Math.floor(room / wide), Math.ceil(wide / SIGNALS_A_TICK)];
-        const of = `${wide} signal${wide > 1 ? "s" : ""}`;
-        if (samples > most) {
-            throw new RangeError(
-                `samples ${samples}: must be 1 to ${most} for ${of}, because the memory holds ${room} words; prescaler ${least} or more`,
-            );
-        }
-        if (prescaler < least) {
-            throw new RangeError(`prescaler ${prescaler}: must be at least ${least} for ${of}: the drive reads ${SIGNALS_A_TICK} signals per control tick`);
-        }
-        if (before >= samples) {
-            throw new RangeError(`before ${before}: must be 0 to ${samples - 1}, fewer than samples ${samples}`);
-        }
+        return [...bits].reduce((sum, bit) => sum + 2 ** bit, 0);
     }
 
-    async #setUp(setup: ScopeSetup, samples: number, what: [number, number][]): Promise<void> {
-        const state = await this.state();
-        if (state === "armed" || state === "recording") {
-            throw failure("RefusedError", `the scope is ${state}: force it, or wait until it is done`);
-        }
+    /** Returns the settings of a record of signals, or without channels of inputs. */
+    #settings(setup: ScopeSetup, samples: number, channels: number): RecordSetup {
         const trigger = setup.trigger ?? { kind: "forced" };
         const kind = KINDS.indexOf(trigger.kind);
         if (kind < 0) {
             throw new TypeError(`trigger "${trigger.kind}": must be one of ${KINDS.join(", ")}`);
         }
-        const writes: [number, number][] = [
-            [INPUTS, 0],
-            [SAMPLES, setup.samples ?? samples],
-            [PRESCALER, setup.prescaler ?? 1],
-            [BEFORE, setup.before ?? 0],
-            ...what,
-        ];
-        if ("signal" in trigger) {
-            const { bit, base } = find(this.signals, trigger.signal);
-            writes.push([TRIGGER_SIGNAL, bit], [TRIGGER_LEVEL, trigger.value / base]);
+        const common = {
+            channels,
+            samples: setup.samples ?? samples,
+            prescaler: setup.prescaler ?? 1,
+            before: setup.before ?? 0,
+            trigger: kind,
+        };
+        if (!("signal" in trigger)) {
+            return common;
         }
-        writes.push([TRIGGER, kind]);
-        for (const [number, value] of writes) {
-            await this.#parameters.set(number, value);
-        }
-        await this.#press();
+        const { bit, base } = find(this.signals, trigger.signal);
+        return { ...common, signal: bit, level: trigger.value / base };
     }
 
     /** Triggers the armed scope now. Rejects with a "RefusedError" if it is not armed. */
     async force(): Promise<void> {
-        const state = await this.state();
-        if (state !== "armed") {
-            throw failure("RefusedError", `the scope is ${state}: only an armed scope can be forced`);
+        if (!this.#link.records) {
+            return this.#link.record("force scope");
         }
-        await this.#press();
+        // A record is awaited: it is forced beside that job, unless its trigger has just occurred.
+        if ((await this.state()) === "armed") {
+            await this.#link.ask(() => this.#link.master.request("trigger scope"));
+        }
     }
 
     /** Waits until the record is complete, at most `timeout` s. */
     async wait(timeout = 10): Promise<void> {
-        const end = this.#link.now + timeout;
-        for (let state = await this.state(); state !== "done"; state = await this.state()) {
-            if (this.#link.now >= end) {
-                throw failure("NoAnswerError", `the scope is ${state} after ${timeout} s: the trigger has not occurred`);
-            }
-            await this.#link.wait(() => false, 0.01);
-        }
+        await this.#link.record("await scope", undefined, timeout);
     }
 
     /** Downloads the record: a row per sample, `time` in s from the trigger. Rejects with a "RefusedError"
@@ -202,25 +158,24 @@ export class Scope {
         setup: ScopeSetup = {},
         timeout = 10,
     ): Promise<Table<ScopeSignalName>> {
-        await this.arm(signals, setup);
-        await this.#await(setup, timeout);
+        await this.#capture(this.#settings(setup, 256, this.#channels(signals)), setup.trigger, timeout);
         return this.download();
     }
 
     /** Records inputs, waits for the trigger as `capture` does, and downloads the recording. */
     async record(setup: Omit<ScopeSetup, "prescaler"> = {}, timeout = 10): Promise<ScopeRecording> {
-        await this.armInputs(setup);
-        await this.#await(setup, timeout);
+        await this.#capture(this.#settings(setup, 400, 0), setup.trigger, timeout);
         return this.downloadRecording();
     }
 
-    async #await({ trigger, before }: ScopeSetup, timeout: number): Promise<void> {
-        if (trigger === undefined) {
-            // The samples before the trigger must have been taken.
-            await this.#link.wait(() => false, (before ?? 0) * (await this.#parameters.get(SAMPLING_TIME)));
-            await this.force();
+    async #capture(settings: RecordSetup, trigger: Trigger | undefined, timeout: number): Promise<void> {
+        if (trigger?.kind === "forced") {
+            // Something else forces the scope.
+            await this.#link.record("arm scope", settings);
+            await this.#link.record("await scope", undefined, timeout);
+        } else {
+            await this.#link.record("capture scope", settings, timeout);
         }
-        await this.wait(timeout);
     }
 
     async #read(progress?: (progress: Progress) => void): Promise<Uint8Array> {
@@ -236,16 +191,6 @@ export class Scope {
         if (Boolean(await this.#parameters.get(INPUTS)) !== inputs) {
             const [kind, call] = inputs ? ["signals", "download"] : ["inputs", "downloadRecording"];
             throw failure("RefusedError", `the scope has recorded ${kind}: ${call}() reads it`);
-        }
-    }
-
-    async #press(): Promise<void> {
-        try {
-            await this.#link.ask(() => this.#link.master.request("trigger scope"));
-        } catch (error) {
-            const refused = error instanceof Error && error.name === "RefusedError";
-            const reason = refused ? REFUSALS[await this.#parameters.get(REFUSAL)] : undefined;
-            throw reason === undefined ? error : failure("RefusedError", `${(error as Error).message}: ${reason}`);
         }
     }
 }

@@ -2,11 +2,14 @@
 
 use crate::description;
 use crate::dictionary::choice;
-use crate::master::{Master, RPM_MAX};
+use crate::master::{Master, RPM_MAX, microseconds};
 use js_sys::{Error, Object};
 use narx_core::bus::narmotion::{DigitalOutputs, ParameterStatus};
 use narx_core::dictionary::engineering::Misfit;
-use narx_core::master::{Answer, DownloadError, Job, JobError, Refusal, Request, RequestError};
+use narx_core::dictionary::number;
+use narx_core::master::{
+    Answer, DownloadError, ErrorKind, Job, JobError, Refusal, Request, RequestError, ScopeSetup,
+};
 use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::options::{Options, set};
 use std::fmt::Display;
@@ -23,6 +26,26 @@ export interface MasterError extends Error {
 /** A conversation of several messages: a start, which ends when the motor is in the loop of its mode; a hall
  * calibration, which ends when the motor is at rest again; a reboot, which ends when the drive is ready. */
 export type JobName = "start" | "calibrate hall" | "reboot";
+
+/** A conversation about the scope or the log: arm, force, or await the scope; capture a record; erase the log. */
+export type RecordJobName = "arm scope" | "force scope" | "await scope" | "capture scope" | "erase log";
+
+/** Settings of a record of the scope: raw values of its parameters. */
+export interface RecordSetup {
+    /** Recorded signals, a bit each; 0 records the inputs of every control tick instead. */
+    channels: number;
+    /** Samples of each signal; of a record of inputs, control ticks. */
+    samples: number;
+    /** Control ticks from one sample to the next. */
+    prescaler: number;
+    /** Samples from before the trigger, fewer than all. */
+    before: number;
+    /** Kind of the trigger (parameter 290); default 0 for none. */
+    trigger?: number;
+    /** Signal of the triggers 1 to 4, and their level in bases of the signal. */
+    signal?: number;
+    level?: number;
+}
 
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
  * error. */
@@ -71,6 +94,35 @@ impl Master {
             job => job,
         };
         self.core.begin(job).map_err(|refused| thrown(REFUSED, &refused))
+    }
+
+    /// Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor go
+    /// on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a `RangeError`
+    /// for a setting that is no whole number of 16 bits.
+    #[wasm_bindgen(js_name = beginRecord)]
+    pub fn begin_record(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "RecordJobName")] job: &JsValue,
+        #[wasm_bindgen(unchecked_param_type = "RecordSetup | undefined")] setup: &JsValue,
+        within: Option<f64>,
+    ) -> Result<(), JsValue> {
+        let setup = self.scope_setup(setup)?;
+        let within = microseconds(within.unwrap_or(0.0));
+        let jobs = [
+            ("arm scope", Job::ArmScope(setup)),
+            ("force scope", Job::ForceScope),
+            ("await scope", Job::AwaitScope { within }),
+            ("capture scope", Job::CaptureScope { setup, within }),
+            ("erase log", Job::EraseLog),
+        ];
+        self.core.begin(choice("job", job, &jobs)?).map_err(|refused| thrown(REFUSED, &refused))
+    }
+
+    /// Returns whether the job of the scope or the log has ended in success. Throws a `MasterError` for one
+    /// that has failed, a `RangeError` for a setting that does not fit.
+    #[wasm_bindgen(js_name = pollRecord)]
+    pub fn poll_record(&mut self) -> Result<bool, JsValue> {
+        self.core.poll_record().transpose().map(|end| end.is_some()).map_err(|error| self.job_error(error))
     }
 
     /// Returns whether the job has ended in success. Throws a `MasterError` for one that has failed.
@@ -140,7 +192,7 @@ impl Master {
         let shaped = Object::new();
         match result {
             Ok(raw) => set(&shaped, "value", self.answered(request, raw)),
-            Err(error) => set(&shaped, "error", self.request_error(request, error)),
+            Err(error) => set(&shaped, "error", self.job_error(JobError::Request(request, error))),
         }
         shaped.into()
     }
@@ -159,28 +211,42 @@ impl Master {
         self.value(number, raw)
     }
 
-    /// Converts the error of a job.
-    fn job_error(&self, error: JobError) -> JsValue {
-        match error {
-            JobError::Request(error) => self.request_error(Request::Reboot, error),
-            JobError::TimedOut { job: Job::Reboot, .. } => thrown(NO_ANSWER, &error),
-            error => thrown(START, &error),
-        }
+    /// Settings of a record; nothing for `undefined`.
+    fn scope_setup(&self, setup: &JsValue) -> Result<ScopeSetup, JsValue> {
+        const NAMES: [&str; 7] = ["channels", "samples", "prescaler", "before", "trigger", "signal", "level"];
+        let setup = Options::new("setup", setup, &NAMES)?;
+        let word = |name| Ok::<_, JsValue>(setup.whole(name, 0.0, u16::MAX.into())?.unwrap_or(0.0) as u16);
+        let byte = |name| Ok::<_, JsValue>(setup.whole(name, 0.0, u8::MAX.into())?.unwrap_or(0.0) as u8);
+        let shape = description::shape(self.tables.as_ref(), number::SCOPE_TRIGGER_LEVEL);
+        let level = match (shape, setup.number("level")?) {
+            (Some(shape), Some(level)) => {
+                shape.scale.entered(level).map_err(|refused| range_error(&refused))? as i32
+            }
+            _ => 0,
+        };
+        Ok(ScopeSetup {
+            channels: setup.whole("channels", 0.0, u32::MAX.into())?.unwrap_or(0.0) as u32,
+            samples: word("samples")?,
+            prescaler: word("prescaler")?,
+            before: word("before")?,
+            trigger: byte("trigger")?,
+            signal: byte("signal")?,
+            level,
+        })
     }
 
-    /// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why
-    /// it has no answer.
-    fn request_error(&self, request: Request, error: RequestError) -> JsValue {
-        match error {
-            RequestError::NoAnswer => match request {
-                Request::Read { number } | Request::Write { number, .. } => {
-                    thrown(NO_ANSWER, &format!("parameter {number}: {error}"))
-                }
-                Request::Reboot => thrown(NO_ANSWER, &format!("{error}: it is off the bus, or driving")),
-                _ => thrown(NO_ANSWER, &error),
-            },
-            RequestError::Refused(refused) => self.refusal(&refused),
-            RequestError::NotObeyed => thrown(REFUSED, &error),
+    /// Converts the error of a job, or of one request. An error about a parameter has the drive's own name and
+    /// range.
+    fn job_error(&self, error: JobError) -> JsValue {
+        if let JobError::Request(_, RequestError::Refused(refused)) = error {
+            return self.refusal(&refused);
+        }
+        match error.kind() {
+            ErrorKind::Range => range_error(&error),
+            ErrorKind::Start => thrown(START, &error),
+            ErrorKind::Refused => thrown(REFUSED, &error),
+            ErrorKind::NoAnswer => thrown(NO_ANSWER, &error),
+            ErrorKind::Parameter => thrown(PARAMETER, &error),
         }
     }
 
