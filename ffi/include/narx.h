@@ -2104,8 +2104,8 @@ typedef struct narx_scope_setup_t {
     uint8_t signal;
 } narx_scope_setup_t;
 
-// Details of a job that has failed; 0, or 255 for a state that is unknown or does not matter, where there are
-// none.
+// Details of a job that has failed; 0, or 255 for a state that is unknown or does not matter, where there
+// are none.
 typedef struct narx_job_failure_t {
     // Faults of a drive in Fault: sum of NARX_FAULT_*.
     uint32_t faults;
@@ -2726,8 +2726,8 @@ narx_status_t narx_master_abort_download(struct narx_master_t *master);
 
 // Begins a job of the motor: a narx_job_kind_t, and for a start its speed, mechanical rpm, negative in
 // reverse. One that is under way ends without a result; narx_master_start, narx_master_stop and
-// narx_master_shut_down end one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as narx_master_start does, and
-// NARX_ERROR_REQUEST for another kind.
+// narx_master_shut_down end one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as
+// narx_master_start does, and NARX_ERROR_REQUEST for another kind.
 narx_status_t narx_master_begin(struct narx_master_t *master,
                                 uint8_t kind,
                                 int32_t rpm);
@@ -2741,10 +2741,10 @@ narx_status_t narx_master_begin_record(struct narx_master_t *master,
                                        const struct narx_scope_setup_t *setup,
                                        uint64_t within);
 
-// Returns the result of the motor's job: NARX_OK, NARX_NOTHING before its end, or the error, with its details
-// in `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED, NARX_ERROR_TIMED_OUT,
-// NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason
-// of the drive's refusal of a parameter.
+// Returns the result of the motor's job: NARX_OK, NARX_NOTHING before its end, or the error, with its
+// details in `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED,
+// NARX_ERROR_TIMED_OUT, NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER,
+// NARX_ERROR_NOT_OBEYED, or the reason of the drive's refusal of a parameter.
 narx_status_t narx_master_poll_job(struct narx_master_t *master,
                                    struct narx_job_failure_t *failure);
 

@@ -214,8 +214,8 @@ impl Master {
     }
 
     /// Begins a job of the scope or the log: "arm scope", "force scope", "await scope", "capture scope" or
-    /// "erase log". setup: channels, samples, prescaler, before, and kind, signal and level of the trigger, as
-    /// the parameters have them; within: longest wait for the record, s. `poll_record` returns its end.
+    /// "erase log". setup: channels, samples, prescaler, before, and kind, signal and level of the trigger,
+    /// as the parameters have them; within: longest wait for the record, s. `poll_record` returns its end.
     #[pyo3(signature = (job, setup=(0, 0.0, 0.0, 0.0, 0, 0, 0), within=0.0))]
     fn begin_record(&self, py: Python<'_>, job: &str, setup: Setup, within: f64) -> PyResult<()> {
         let (channels, samples, prescaler, before, trigger, signal, level) = setup;

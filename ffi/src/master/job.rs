@@ -53,8 +53,8 @@ pub struct narx_scope_setup_t {
     pub signal: u8,
 }
 
-/// Details of a job that has failed; 0, or 255 for a state that is unknown or does not matter, where there are
-/// none.
+/// Details of a job that has failed; 0, or 255 for a state that is unknown or does not matter, where there
+/// are none.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_job_failure_t {
@@ -79,8 +79,8 @@ const NO_DETAILS: narx_job_failure_t =
 
 /// Begins a job of the motor: a narx_job_kind_t, and for a start its speed, mechanical rpm, negative in
 /// reverse. One that is under way ends without a result; narx_master_start, narx_master_stop and
-/// narx_master_shut_down end one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as narx_master_start does, and
-/// NARX_ERROR_REQUEST for another kind.
+/// narx_master_shut_down end one, too. Returns NARX_ERROR_SILENT for a silent master, NARX_ERROR_SPEED as
+/// narx_master_start does, and NARX_ERROR_REQUEST for another kind.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_begin(master: *mut narx_master_t, kind: u8, rpm: i32) -> narx_status_t {
     use narx_job_kind_t as Kind;
@@ -130,10 +130,10 @@ pub unsafe extern "C" fn narx_master_begin_record(
     pointer::status(run())
 }
 
-/// Returns the result of the motor's job: NARX_OK, NARX_NOTHING before its end, or the error, with its details
-/// in `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED, NARX_ERROR_TIMED_OUT,
-/// NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason
-/// of the drive's refusal of a parameter.
+/// Returns the result of the motor's job: NARX_OK, NARX_NOTHING before its end, or the error, with its
+/// details in `failure` (which may be NULL): NARX_ERROR_FAULT, NARX_ERROR_START_REFUSED,
+/// NARX_ERROR_TIMED_OUT, NARX_ERROR_NOT_CALIBRATED, NARX_ERROR_ABORTED, NARX_ERROR_NO_ANSWER,
+/// NARX_ERROR_NOT_OBEYED, or the reason of the drive's refusal of a parameter.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_poll_job(
     master: *mut narx_master_t,

@@ -96,9 +96,9 @@ impl Master {
         self.core.begin(job).map_err(|refused| thrown(REFUSED, &refused))
     }
 
-    /// Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor go
-    /// on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a `RangeError`
-    /// for a setting that is no whole number of 16 bits.
+    /// Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor
+    /// go on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a
+    /// `RangeError` for a setting that is no whole number of 16 bits.
     #[wasm_bindgen(js_name = beginRecord)]
     pub fn begin_record(
         &mut self,
@@ -235,8 +235,8 @@ impl Master {
         })
     }
 
-    /// Converts the error of a job, or of one request. An error about a parameter has the drive's own name and
-    /// range.
+    /// Converts the error of a job, or of one request. An error about a parameter has the drive's own name
+    /// and range.
     fn job_error(&self, error: JobError) -> JsValue {
         if let JobError::Request(_, RequestError::Refused(refused)) = error {
             return self.refusal(&refused);
