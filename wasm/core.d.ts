@@ -324,16 +324,16 @@ export class Master {
      */
     abortUpdate(): void;
     /**
+     * Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor
+     * go on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a
+     * `RangeError` for a setting that is no whole number of 16 bits.
+     */
+    beginRecord(job: RecordJobName, setup: RecordSetup | undefined, within?: number | null): void;
+    /**
      * Begins a job; one that is under way ends without a result. `rpm`: speed of a start, negative in
      * reverse. Throws a `MasterError` for a silent master.
      */
     begin(job: JobName, rpm?: number | null): void;
-    /**
-     * Begins a job of the scope or the log; one that is under way ends without a result, jobs of the motor go
-     * on. `within`: longest wait for a record, s. Throws a `MasterError` for a silent master, a `RangeError`
-     * for a setting that is no whole number of 16 bits.
-     */
-    beginRecord(job: RecordJobName, setup: RecordSetup | undefined, within?: number | null): void;
     /**
      * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
      * names the limit's parameter and the range. Before the drive's limits were received, only the range of
