@@ -154,7 +154,7 @@ static void record_by_job(void)
     narx_job_failure_t failure;
     narx_chunk_t chunk;
     uint32_t words = 0;
-    uint32_t received = 0;
+    uint32_t downloaded = 0;
 
     memset(&setup, 0, sizeof setup);
     setup.channels = 5;
@@ -170,10 +170,10 @@ static void record_by_job(void)
     while (narx_master_poll_download(&master, &words) == NARX_NOTHING) {
         (void)run(1);
         while (narx_master_poll_chunk(&master, &chunk) == NARX_OK) {
-            received = chunk.offset + chunk.length;
+            downloaded = chunk.offset + chunk.length;
         }
     }
-    CHECK(words == 120 && received == 120);
+    CHECK(words == 120 && downloaded == 120);
     CHECK(narx_master_begin_record(&master, NARX_JOB_KIND_FORCE_SCOPE, NULL, 0) == NARX_OK);
     CHECK(finish_record(&failure) == NARX_ERROR_SCOPE_REFUSED && failure.scope == 3);
     setup.before = 60;
