@@ -1,6 +1,6 @@
-//! Numbers in texts. The standard formatting of floating-point numbers is exact to the last digit, which
-//! nobody reads here, and costs the browser 8 KB. (So does `f64::clamp`, whose panic shows its bounds: the
-//! plant takes `max` and `min`.)
+//! Numbers in texts, short and small. The standard formatting of floating-point numbers prints every digit
+//! exactly, which costs the browser 8 KB; so does `f64::clamp`, whose panic prints its bounds (the plant
+//! takes `max` and `min`).
 
 use core::fmt::{self, Write};
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from narx import _core
-from narx.errors import BusError, NoAnswerError
+from narx.errors import BusError, NoAnswerError, RefusedError
 
 if TYPE_CHECKING:
     import can
@@ -35,6 +35,8 @@ class Link(ABC):
         """Description of the drive; `None` while unknown, or if it is the one of this package."""
         self.is_described = False
         """True once the drive was asked for its description."""
+        self.recording = threading.Lock()
+        """Held while a call records with the scope or erases the log: the master does one of them at a time."""
         self.downloads = False
         """True while words of a download are expected."""
         self._chunks: list[tuple[int, bytes]] = []
@@ -209,10 +211,16 @@ class SteppedLink(Link):
 
 
 def record(link: Link, job: str, setup: Setup = NO_SETUP, within: float = 0.0) -> None:
-    """Carries out a job of the scope or the log, which ends by itself; raises its error."""
-    link.master.begin_record(job, setup, within)
-    link.wake()
-    link.wait(link.master.poll_record, math.inf)
+    """Carries out a job of the scope or the log, which ends by itself; raises its error, or RefusedError while
+    another thread carries out one."""
+    if not link.recording.acquire(blocking=False):
+        raise RefusedError(f"{job}: another thread records with the scope, or erases the log")
+    try:
+        link.master.begin_record(job, setup, within)
+        link.wake()
+        link.wait(link.master.poll_record, math.inf)
+    finally:
+        link.recording.release()
 
 
 def handle(master: _core.Master, message: can.Message, now: float) -> None:

@@ -15,7 +15,7 @@ from narx import _core
 from narx.description import describe
 from narx.download import download
 from narx.errors import ParameterError, RefusedError, SignalError
-from narx.link import Link, Setup, record
+from narx.link import Link, Setup, ask, record
 from narx.names import suggestion
 from narx.parameters import Parameters
 from narx.trace import Trace
@@ -163,7 +163,11 @@ class Scope:
 
     def force(self) -> None:
         """Triggers the armed scope now. Raises RefusedError if it is not armed."""
-        record(self._link, "force scope")
+        if not self._link.recording.locked():
+            record(self._link, "force scope")
+        elif self.state is ScopeState.ARMED:
+            # Another thread awaits the record: it is forced beside that call.
+            ask(self._link, lambda: self._link.master.request("trigger scope"))
 
     def wait(self, timeout: float = 10.0) -> None:
         """Lets time pass until the record is complete, or raises NoAnswerError after `timeout` s."""

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -172,6 +173,18 @@ def test_scope_records_inputs_at_once(drive: narx.Drive) -> None:
     drive.scope.capture(["Duty"], samples=10)
     with pytest.raises(narx.RefusedError, match=r"has recorded signals: download\(\) reads it"):
         drive.scope.download_recording()
+
+
+def test_two_threads_share_the_scope(request: pytest.FixtureRequest) -> None:
+    """A record that one thread awaits is forced by another; a second record is refused, and the first goes on."""
+    with can.Bus(channel=request.node.name, realtime=True, **BUS) as bus, narx.Drive(bus) as drive, ThreadPoolExecutor(1) as thread:
+        assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+        awaited = thread.submit(drive.scope.capture, ["Duty"], samples=20, trigger=narx.Trigger.forced())
+        assert drive.wait_for(lambda: drive.scope.state.name == "ARMED")
+        with pytest.raises(narx.RefusedError, match="^arm scope: another thread records with the scope, or erases the log$"):
+            drive.scope.arm(["Duty"])
+        drive.scope.force()
+        assert len(awaited.result(timeout=10)) == 20
 
 
 def test_scope_refuses(drive: narx.Drive) -> None:

@@ -1,4 +1,4 @@
-"""Commands for the motor: each waits until the drive has done it."""
+"""Commands for the motor. Each waits for the drive's result."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STOP_MAX = 10.0
 def start(
     rpm: Annotated[float, typer.Argument(help="Speed, rpm; for reverse, --reverse.")],
     reverse: Annotated[bool, typer.Option("--reverse", help="Turn in reverse.")] = False,
-    seconds: Annotated[float | None, typer.Option(help="Stops after so long; else at Ctrl-C.")] = None,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="Stops after this time, s; else at Ctrl-C.")] = None,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Starts the motor, runs it, and stops it at the end.
