@@ -1330,12 +1330,11 @@ typedef struct narx_commutator_t {
     uint64_t words[4];
 } narx_commutator_t;
 
-// Settings of a narx_commutator_t.
+// Settings for narx_commutation_init.
 typedef struct narx_commutation_settings_t {
-    // Timing advance, electrical, 0 to 3 000 in 0.01 degree.
+    // Timing advance, electrical, 0 to 3000 in 0.01 degree (parameter 273).
     uint16_t advance_cdeg;
-    // First instant of a period at which a new step can act, in 1/65 536 of it: when the caller has its
-    // answer.
+    // First instant of a period at which a new step can act, 1/65 536 of it: when the caller has its answer.
     uint16_t earliest;
 } narx_commutation_settings_t;
 
@@ -1373,31 +1372,31 @@ typedef struct narx_steps_t {
     struct narx_commutation_t commutations[NARX_COMMUTATIONS_MAX];
 } narx_steps_t;
 
-// Settings of a narx_fault_t. Quantities are Q16. The time for which each condition must hold is listed with
-// its NARX_CAUSE_* in PROTOCOL.md.
+// Settings for narx_fault_init. The time for which each condition must hold is listed with its cause in
+// PROTOCOL.md.
 typedef struct narx_fault_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
-    // Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below.
+    // Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below. Q16.
     int32_t over_voltage;
-    // Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above.
+    // Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above. Q16.
     int32_t under_voltage;
-    // Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below.
+    // Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below. Q16.
     int32_t over_current;
-    // Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below.
+    // Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below. Q16.
     int32_t over_temperature;
-    // Temperature of the warning, no more than that of the shutdown.
+    // Temperature of the warning, no more than that of the shutdown. Q16.
     int32_t warning;
-    // Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
+    // Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below. Q16.
     int32_t over_pressure;
-    // Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed.
+    // Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed. Q16.
     int32_t speed_max;
-    // Critical fault mask, sum of NARX_FAULT_*; faults that protect the power stage are critical while
-    // driving in any case.
+    // Critical fault mask (parameter 115, 1 = critical); faults that protect the power stage are critical
+    // while driving in any case.
     uint32_t critical_mask;
-    // Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
+    // Torque without a hall edge for this long is a stall, 1 to 65 535 ms (parameter 265).
     uint32_t hall_stall_ms;
-    // Digital inputs that shut down: sum of NARX_LINE_*.
+    // Digital inputs that shut down. Sum of NARX_LINE_*.
     uint8_t shutdown_lines;
 } narx_fault_settings_t;
 
@@ -1475,19 +1474,20 @@ typedef struct narx_change_t {
     uint8_t timed_out;
 } narx_change_t;
 
-// Settings of a narx_hall_t.
+// Settings for narx_hall_init.
 typedef struct narx_hall_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
-    // Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    // Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree (parameter 80).
     int32_t offset_cdeg;
-    // No edge for this long means standstill, ms, and no more than 65 535 ticks.
+    // No edge for this long means standstill, 1 to 65 535 ms (parameter 113), and no more than 65 535 ticks.
     uint32_t timeout_ms;
-    // Slowest electrical speed that is interpolated between edges, Q16 rev/s.
+    // Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector
+    // stands for all of it. Q16.
     int32_t interpolation_min;
-    // Permutation of the lines, 0 to 5; 0 is A, B, C.
+    // Permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
     uint8_t order;
-    // Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
+    // Lines to invert before the permutation, 0 to 7: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t polarity;
     // Not 0: edges are time-stamped; else only the level is read, once a tick.
     uint8_t captured;
@@ -1545,7 +1545,7 @@ typedef struct narx_gain_t {
     uint8_t shift;
 } narx_gain_t;
 
-// Settings of a narx_pi_t. Errors and outputs are Q16 in units of your choice.
+// Settings for narx_pi_init. Errors and outputs are Q16 in units of the caller's choice.
 typedef struct narx_pi_settings_t {
     // Kp: output per error.
     struct narx_gain_t proportional;
@@ -1565,7 +1565,7 @@ typedef struct narx_ramp_t {
     uint64_t words[3];
 } narx_ramp_t;
 
-// Settings of a narx_ramp_t.
+// Settings for narx_ramp_init.
 typedef struct narx_ramp_settings_t {
     // Steepest change, Q16 a second, more than 0.
     int32_t rate;
@@ -1573,27 +1573,27 @@ typedef struct narx_ramp_settings_t {
     uint32_t step_rate;
 } narx_ramp_settings_t;
 
-// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; a flag is set if it is not 0.
+// Settings for narx_state_init. Durations are 0 to 3 600 000 ms.
 typedef struct narx_state_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
-    // Boot time.
+    // Boot time (T01).
     uint32_t boot_ms;
-    // Rotor lock.
+    // Rotor lock (T23).
     uint32_t lock_ms;
-    // Open loop before sensorless.
+    // Open loop before sensorless (T34).
     uint32_t open_loop_ms;
-    // Auto-restart.
+    // Auto-restart (T71, T74).
     uint32_t auto_restart_ms;
-    // Wait before a fault can be acknowledged.
+    // Wait before a fault can be acknowledged (T61).
     uint32_t fault_wait_ms;
     // Longest time without a command while driving; more is a fault.
     uint32_t command_timeout_ms;
-    // Open loop is enabled.
+    // Not 0: open loop may run the motor (Table 6).
     uint8_t open_loop;
-    // The sensorless loop is enabled.
+    // Not 0: the sensorless loop may run the motor (Table 6).
     uint8_t sensorless;
-    // The hall loop is enabled; it takes precedence over the other two.
+    // Not 0: the hall loop may run the motor (Table 6), before the others.
     uint8_t hall;
 } narx_state_settings_t;
 
@@ -1642,28 +1642,29 @@ typedef struct narx_channel_t {
     int32_t micro_per_code;
 } narx_channel_t;
 
-// Settings of a narx_zero_crossing_t.
+// Settings for narx_zero_crossing_init.
 typedef struct narx_zero_crossing_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
-    // Least blanking after a commutation, 0 to 100 000 us.
-    uint32_t blanking_us;
-    // Delay of a rising crossing, -10 000 to 10 000 us.
-    int32_t delay_rising_us;
-    // Delay of a falling crossing, -10 000 to 10 000 us.
-    int32_t delay_falling_us;
-    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm. 0 is unknown: crossings in the off-time are
-    // then not corrected for their threshold.
-    uint32_t back_emf_uv_per_rpm;
     // Scale of the three phase terminals.
     struct narx_channel_t terminal;
     // Scale of the bus voltage.
     struct narx_channel_t bus_voltage;
-    // Instant of the period at which a new step acts, and the advance of the next commutation.
+    // Least blanking after a commutation, 0 to 100 000 us (parameter 86).
+    uint32_t blanking_us;
+    // Delay of a rising crossing, -10 000 to 10 000 us (parameter 100).
+    int32_t delay_rising_us;
+    // Delay of a falling crossing, -10 000 to 10 000 us.
+    int32_t delay_falling_us;
+    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time
+    // crossings are not corrected for their threshold.
+    uint32_t back_emf_uv_per_rpm;
+    // Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next
+    // commutation.
     struct narx_commutation_settings_t commutation;
     // Pole pairs, 1 to 100.
     uint16_t pole_pairs;
-    // No crossing for this long is standstill, 1 to 32 767 ticks.
+    // No crossing for this long is standstill, 1 to 32 767 ticks (parameter 85).
     uint16_t timeout_ticks;
     // Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
     uint8_t noise_codes;

@@ -12,6 +12,7 @@ pub mod evidence;
 pub mod header;
 pub mod pictures;
 pub mod samples;
+pub mod settings;
 
 use narx_report::steps::Outcome;
 use std::fs;

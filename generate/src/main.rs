@@ -1,7 +1,9 @@
 //! Commands of `cargo xtask` that make the committed files.
 
 use clap::{Args, Parser, Subcommand};
-use narx_generate::{Make, coverage, dbc, eds, effects, evidence, header, pictures, samples, settle};
+use narx_generate::{
+    Make, coverage, dbc, eds, effects, evidence, header, pictures, samples, settings, settle,
+};
 use narx_report::root;
 use narx_report::steps::{Step, finish, run_all};
 use std::path::PathBuf;
@@ -31,7 +33,7 @@ enum Job {
     Dbc(Check),
     /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
     Eds(Check),
-    /// Make ffi/include/narx.h anew: the C header
+    /// Make ffi/include/narx.h and ffi/src/blocks/settings.rs anew: the C header, and the settings in it
     Header(Check),
     /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
     Evidence(Check),
@@ -48,10 +50,11 @@ enum Job {
 }
 
 /// Documents in their order.
-const DOCUMENTS: [(&str, Make); 6] = [
+const DOCUMENTS: [(&str, Make); 7] = [
     ("coverage", coverage::make),
     ("CAN database", dbc::make),
     ("EDS", eds::make),
+    ("settings of the blocks", settings::make),
     ("C header", header::make),
     ("pictures", pictures::make),
     ("evidence", evidence::make),
@@ -68,7 +71,10 @@ fn main() -> ExitCode {
         Job::Coverage(check) => one(coverage::make, check),
         Job::Dbc(check) => one(dbc::make, check),
         Job::Eds(check) => one(eds::make, check),
-        Job::Header(check) => one(header::make, check),
+        Job::Header(Check { check }) => {
+            let made = settle(root, settings::make, check).and_then(|_| settle(root, header::make, check));
+            finish(made)
+        }
         Job::Evidence(check) => one(evidence::make, check),
         Job::Effects(arguments) => effects::command(root, &arguments),
         Job::Pictures(check) => one(pictures::make, check),

@@ -11,8 +11,8 @@ use crate::motor::machine::state::State;
 use crate::motor::sense::samples::Lines;
 use crate::units::{Amps, Celsius, ElectricalSpeed, Volts};
 
-/// Settings of a [`Fault`]. The time for which each condition must hold is in
-/// [`Cause::TABLE`](crate::motor::Cause::TABLE).
+/// Settings of a [`Fault`]. The time for which each condition must hold is listed with its cause in
+/// PROTOCOL.md.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultSettings {
     /// Ticks a second, 1 000 to 100 000 Hz.
@@ -29,15 +29,15 @@ pub struct FaultSettings {
     pub warning: Celsius,
     /// Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
     pub over_pressure: Volts,
-    /// Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    /// Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed.
     pub speed_max: ElectricalSpeed,
-    /// Digital inputs that shut down.
-    pub shutdown_lines: Lines,
     /// Critical fault mask (parameter 115, 1 = critical); faults that protect the power stage are critical
     /// while driving in any case.
     pub critical_mask: u32,
     /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms (parameter 265).
     pub hall_stall_ms: u32,
+    /// Digital inputs that shut down.
+    pub shutdown_lines: Lines,
 }
 
 impl Default for FaultSettings {

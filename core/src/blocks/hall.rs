@@ -16,10 +16,6 @@ use crate::units::{ElectricalAngle, ElectricalSpeed};
 pub struct HallSettings {
     /// Ticks a second, 1 000 to 100 000 Hz.
     pub tick_rate: u32,
-    /// Permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
-    pub order: u8,
-    /// Lines to invert before the permutation, 0 to 7: bit 0 = A, bit 1 = B, bit 2 = C.
-    pub polarity: u8,
     /// Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree (parameter 80).
     pub offset_cdeg: i32,
     /// No edge for this long means standstill, 1 to 65 535 ms (parameter 113), and no more than 65 535 ticks.
@@ -27,6 +23,10 @@ pub struct HallSettings {
     /// Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector
     /// stands for all of it.
     pub interpolation_min: ElectricalSpeed,
+    /// Permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
+    pub order: u8,
+    /// Lines to invert before the permutation, 0 to 7: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub polarity: u8,
     /// Edges are time-stamped; else only the level is read, once a tick.
     pub captured: bool,
 }

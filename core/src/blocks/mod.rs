@@ -18,6 +18,8 @@
 //! speeds of a [`Position`] 2^-32 turn a tick, ages 1/65 536 tick. A block is called once a tick.
 
 mod commutation;
+#[cfg(feature = "engineering")]
+pub mod engineering;
 mod error;
 mod fault;
 mod hall;

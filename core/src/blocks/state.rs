@@ -14,12 +14,6 @@ use crate::units::ElectricalSpeed;
 pub struct StateSettings {
     /// Ticks a second, 1 000 to 100 000 Hz.
     pub tick_rate: u32,
-    /// Open loop may run the motor (Table 6).
-    pub open_loop: bool,
-    /// The sensorless loop may run the motor (Table 6).
-    pub sensorless: bool,
-    /// The hall loop may run the motor (Table 6), before the others.
-    pub hall: bool,
     /// Boot time (T01).
     pub boot_ms: u32,
     /// Rotor lock (T23).
@@ -32,6 +26,12 @@ pub struct StateSettings {
     pub fault_wait_ms: u32,
     /// Longest time without a command while driving; more is a fault.
     pub command_timeout_ms: u32,
+    /// Open loop may run the motor (Table 6).
+    pub open_loop: bool,
+    /// The sensorless loop may run the motor (Table 6).
+    pub sensorless: bool,
+    /// The hall loop may run the motor (Table 6), before the others.
+    pub hall: bool,
 }
 
 impl Default for StateSettings {

@@ -27,15 +27,8 @@ pub struct ZeroCrossingSettings {
     pub terminal: Channel,
     /// Scale of the bus voltage.
     pub bus_voltage: Channel,
-    /// Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
-    pub noise_codes: u8,
     /// Least blanking after a commutation, 0 to 100 000 us (parameter 86).
     pub blanking_us: u32,
-    /// Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next
-    /// commutation.
-    pub commutation: CommutationSettings,
-    /// Comparators with captured edges take the place of samples.
-    pub comparator: bool,
     /// Delay of a rising crossing, -10 000 to 10 000 us (parameter 100).
     pub delay_rising_us: i32,
     /// Delay of a falling crossing, -10 000 to 10 000 us.
@@ -43,10 +36,17 @@ pub struct ZeroCrossingSettings {
     /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time
     /// crossings are not corrected for their threshold.
     pub back_emf_uv_per_rpm: u32,
+    /// Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next
+    /// commutation.
+    pub commutation: CommutationSettings,
     /// Pole pairs, 1 to 100.
     pub pole_pairs: u16,
     /// No crossing for this long is standstill, 1 to 32 767 ticks (parameter 85).
     pub timeout_ticks: u16,
+    /// Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
+    pub noise_codes: u8,
+    /// Comparators with captured edges take the place of samples.
+    pub comparator: bool,
 }
 
 impl Default for ZeroCrossingSettings {

@@ -1,11 +1,11 @@
 //! Six-step commutation: the table, and the steps for a position.
 
-use super::{direction, init, narx_setting_error_t};
+use super::{direction, init, narx_commutation_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t};
 use crate::status::narx_status_t::{self, *};
-use narx_core::blocks::{Commutation, CommutationSettings, Position};
+use narx_core::blocks::{Commutation, Position};
 use narx_core::motor::{Commutation as Change, Leg, Step};
 
 /// A commutation: memory that the caller owns. It may be copied and moved between calls.
@@ -20,17 +20,6 @@ const _: () = handle::assert_fits::<narx_commutator_t>();
 impl Handle for narx_commutator_t {
     type Object = Commutation;
     const MARK: u32 = u32::from_be_bytes(*b"nxCo");
-}
-
-/// Settings of a narx_commutator_t.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_commutation_settings_t {
-    /// Timing advance, electrical, 0 to 3 000 in 0.01 degree.
-    pub advance_cdeg: u16,
-    /// First instant of a period at which a new step can act, in 1/65 536 of it: when the caller has its
-    /// answer.
-    pub earliest: u16,
 }
 
 /// The steps of one period.
@@ -91,10 +80,7 @@ pub unsafe extern "C" fn narx_commutation_init(
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(commutation, size, error, || Commutation::build(&settings.into())) },
-        Err(error) => error,
-    }
+    unsafe { init(commutation, size, settings, error, Commutation::build) }
 }
 
 /// Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`
@@ -133,10 +119,4 @@ pub unsafe extern "C" fn narx_commutation_step(
 pub unsafe extern "C" fn narx_commutation_reset(commutation: *mut narx_commutator_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(commutation) }.map(Commutation::reset))
-}
-
-impl From<&narx_commutation_settings_t> for CommutationSettings {
-    fn from(settings: &narx_commutation_settings_t) -> Self {
-        Self { advance_cdeg: settings.advance_cdeg, earliest: settings.earliest }
-    }
 }

@@ -1,7 +1,7 @@
 //! Fault logic: measurements and conditions to a qualified, latched fault word (Table 9).
 
 use super::state::{narx_change_t, row, state};
-use super::{init, narx_setting_error_t};
+use super::{init, narx_fault_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
@@ -12,7 +12,7 @@ use narx_core::motor::machine::{Change, RunRequest};
 use narx_core::motor::rotor::hall::HallEvents;
 use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
-use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
+use narx_core::units::{Amps, Celsius, Volts};
 
 /// Fault logic: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -26,36 +26,6 @@ const _: () = handle::assert_fits::<narx_fault_t>();
 impl Handle for narx_fault_t {
     type Object = Fault;
     const MARK: u32 = u32::from_be_bytes(*b"nxFa");
-}
-
-/// Settings of a narx_fault_t. Quantities are Q16. The time for which each condition must hold is listed with
-/// its NARX_CAUSE_* in PROTOCOL.md.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_fault_settings_t {
-    /// Ticks a second, 1 000 to 100 000 Hz.
-    pub tick_rate: u32,
-    /// Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below.
-    pub over_voltage: i32,
-    /// Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above.
-    pub under_voltage: i32,
-    /// Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below.
-    pub over_current: i32,
-    /// Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below.
-    pub over_temperature: i32,
-    /// Temperature of the warning, no more than that of the shutdown.
-    pub warning: i32,
-    /// Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
-    pub over_pressure: i32,
-    /// Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed.
-    pub speed_max: i32,
-    /// Critical fault mask, sum of NARX_FAULT_*; faults that protect the power stage are critical while
-    /// driving in any case.
-    pub critical_mask: u32,
-    /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
-    pub hall_stall_ms: u32,
-    /// Digital inputs that shut down: sum of NARX_LINE_*.
-    pub shutdown_lines: u8,
 }
 
 /// Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
@@ -138,10 +108,7 @@ pub unsafe extern "C" fn narx_fault_init(
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(fault, size, error, || Fault::build(&settings.into())) },
-        Err(error) => error,
-    }
+    unsafe { init(fault, size, settings, error, Fault::build) }
 }
 
 /// Runs one tick. A critical fault latches.
@@ -198,42 +165,6 @@ pub unsafe extern "C" fn narx_fault_acknowledge(fault: *mut narx_fault_t) -> nar
         false => Err(NARX_ERROR_WRONG_STATE),
     };
     pointer::status(run())
-}
-
-impl From<FaultSettings> for narx_fault_settings_t {
-    fn from(settings: FaultSettings) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            over_voltage: settings.over_voltage.to_bits(),
-            under_voltage: settings.under_voltage.to_bits(),
-            over_current: settings.over_current.to_bits(),
-            over_temperature: settings.over_temperature.to_bits(),
-            warning: settings.warning.to_bits(),
-            over_pressure: settings.over_pressure.to_bits(),
-            speed_max: settings.speed_max.to_bits(),
-            critical_mask: settings.critical_mask,
-            hall_stall_ms: settings.hall_stall_ms,
-            shutdown_lines: settings.shutdown_lines.bits(),
-        }
-    }
-}
-
-impl From<&narx_fault_settings_t> for FaultSettings {
-    fn from(settings: &narx_fault_settings_t) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            over_voltage: Volts::from_bits(settings.over_voltage),
-            under_voltage: Volts::from_bits(settings.under_voltage),
-            over_current: Amps::from_bits(settings.over_current),
-            over_temperature: Celsius::from_bits(settings.over_temperature),
-            warning: Celsius::from_bits(settings.warning),
-            over_pressure: Volts::from_bits(settings.over_pressure),
-            speed_max: ElectricalSpeed::from_bits(settings.speed_max),
-            shutdown_lines: Lines::from_bits_retain(settings.shutdown_lines),
-            critical_mask: settings.critical_mask,
-            hall_stall_ms: settings.hall_stall_ms,
-        }
-    }
 }
 
 /// Causes that sensorless control can fail with.

@@ -1,12 +1,11 @@
 //! Hall sensors: sector, angle and speed from lines and edges.
 
-use super::{init, narx_setting_error_t};
+use super::{init, narx_hall_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::samples::{NARX_EDGES_MAX, edges, narx_edge_t};
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Hall, HallReading, HallSettings};
-use narx_core::units::ElectricalSpeed;
 
 /// A hall station: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -20,26 +19,6 @@ const _: () = handle::assert_fits::<narx_hall_t>();
 impl Handle for narx_hall_t {
     type Object = Hall;
     const MARK: u32 = u32::from_be_bytes(*b"nxHa");
-}
-
-/// Settings of a narx_hall_t.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_hall_settings_t {
-    /// Ticks a second, 1 000 to 100 000 Hz.
-    pub tick_rate: u32,
-    /// Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
-    pub offset_cdeg: i32,
-    /// No edge for this long means standstill, ms, and no more than 65 535 ticks.
-    pub timeout_ms: u32,
-    /// Slowest electrical speed that is interpolated between edges, Q16 rev/s.
-    pub interpolation_min: i32,
-    /// Permutation of the lines, 0 to 5; 0 is A, B, C.
-    pub order: u8,
-    /// Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
-    pub polarity: u8,
-    /// Not 0: edges are time-stamped; else only the level is read, once a tick.
-    pub captured: u8,
 }
 
 /// Reading of the sensors after a tick.
@@ -84,10 +63,7 @@ pub unsafe extern "C" fn narx_hall_init(
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(hall, size, error, || Hall::build(&settings.into())) },
-        Err(error) => error,
-    }
+    unsafe { init(hall, size, settings, error, Hall::build) }
 }
 
 /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period
@@ -112,37 +88,6 @@ pub unsafe extern "C" fn narx_hall_step(
         pointer::write(reading, hall.step(code & 7, &captured).into())
     };
     pointer::status(run())
-}
-
-impl From<HallSettings> for narx_hall_settings_t {
-    fn from(settings: HallSettings) -> Self {
-        let HallSettings { tick_rate, order, polarity, offset_cdeg, timeout_ms, interpolation_min, captured } =
-            settings;
-        let interpolation_min = interpolation_min.to_bits();
-        Self {
-            tick_rate,
-            offset_cdeg,
-            timeout_ms,
-            interpolation_min,
-            order,
-            polarity,
-            captured: captured.into(),
-        }
-    }
-}
-
-impl From<&narx_hall_settings_t> for HallSettings {
-    fn from(settings: &narx_hall_settings_t) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            order: settings.order,
-            polarity: settings.polarity,
-            offset_cdeg: settings.offset_cdeg,
-            timeout_ms: settings.timeout_ms,
-            interpolation_min: ElectricalSpeed::from_bits(settings.interpolation_min),
-            captured: settings.captured != 0,
-        }
-    }
 }
 
 impl From<HallReading> for narx_hall_reading_t {

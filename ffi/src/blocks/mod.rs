@@ -2,17 +2,22 @@
 
 mod commutation;
 mod fault;
+mod gain;
 mod hall;
 mod pi;
 mod ramp;
+#[rustfmt::skip]
+mod settings;
 mod state;
 mod zero_crossing;
 
 pub use commutation::*;
 pub use fault::*;
+pub use gain::narx_gain_t;
 pub use hall::*;
 pub use pi::*;
 pub use ramp::*;
+pub use settings::*;
 pub use state::*;
 pub use zero_crossing::*;
 
@@ -44,19 +49,25 @@ pub struct narx_setting_error_t {
     pub unit: [c_char; NARX_NAME_SIZE],
 }
 
-/// Puts a block into `size` bytes of memory; on an error of its settings writes that to `error`, unless it is
-/// NULL.
+/// Builds a block from `settings` into `size` bytes of memory; on an error of the settings writes that to
+/// `error`, unless it is NULL.
 ///
 /// # Safety
 /// The rule for pointers at the head of narx.h.
-unsafe fn init<H: Handle>(
+unsafe fn init<H: Handle, Given, Settings>(
     memory: *mut H,
     size: usize,
+    settings: *const Given,
     error: *mut narx_setting_error_t,
-    build: impl FnOnce() -> Result<H::Object, SettingError>,
-) -> narx_status_t {
+    build: impl FnOnce(&Settings) -> Result<H::Object, SettingError>,
+) -> narx_status_t
+where
+    Settings: for<'a> TryFrom<&'a Given, Error = SettingError>,
+{
     let object = || {
-        build().map_err(|reason| {
+        // SAFETY: the caller's promise.
+        let settings = unsafe { pointer::read(settings)? };
+        settings.try_into().and_then(|settings| build(&settings)).map_err(|reason| {
             // SAFETY: the caller's promise.
             match unsafe { pointer::write_unless_null(error, reason.into()) } {
                 Ok(()) => NARX_ERROR_SETTING,

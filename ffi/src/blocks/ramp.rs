@@ -1,10 +1,10 @@
 //! Rate limit of a set-point.
 
-use super::{init, narx_setting_error_t};
+use super::{init, narx_ramp_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t;
-use narx_core::blocks::{Ramp, RampSettings};
+use narx_core::blocks::Ramp;
 
 /// A ramp: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -20,16 +20,6 @@ impl Handle for narx_ramp_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxRa");
 }
 
-/// Settings of a narx_ramp_t.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_ramp_settings_t {
-    /// Steepest change, Q16 a second, more than 0.
-    pub rate: i32,
-    /// Steps a second, 1 to 1 000 000 Hz.
-    pub step_rate: u32,
-}
-
 /// Makes a ramp at 0. Returns NARX_ERROR_SETTING if it cannot be built from the settings; `error`, which may
 /// be NULL, then names the setting. Not for an interrupt: it divides.
 #[unsafe(no_mangle)]
@@ -39,14 +29,8 @@ pub unsafe extern "C" fn narx_ramp_init(
     settings: *const narx_ramp_settings_t,
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
-    let build = |settings: &narx_ramp_settings_t| {
-        Ramp::build(&RampSettings { rate: settings.rate, step_rate: settings.step_rate })
-    };
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(ramp, size, error, || build(settings)) },
-        Err(error) => error,
-    }
+    unsafe { init(ramp, size, settings, error, Ramp::build) }
 }
 
 /// Moves one step towards `target` and writes the new value to `value`, both Q16.

@@ -1,7 +1,7 @@
 //! The state machine: one of eight states from requests and conditions (Table 7).
 
 use super::fault::request;
-use super::{init, narx_setting_error_t};
+use super::{init, narx_setting_error_t, narx_state_settings_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
@@ -22,32 +22,6 @@ const _: () = handle::assert_fits::<narx_state_machine_t>();
 impl Handle for narx_state_machine_t {
     type Object = StateMachine;
     const MARK: u32 = u32::from_be_bytes(*b"nxSt");
-}
-
-/// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; a flag is set if it is not 0.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_state_settings_t {
-    /// Ticks a second, 1 000 to 100 000 Hz.
-    pub tick_rate: u32,
-    /// Boot time.
-    pub boot_ms: u32,
-    /// Rotor lock.
-    pub lock_ms: u32,
-    /// Open loop before sensorless.
-    pub open_loop_ms: u32,
-    /// Auto-restart.
-    pub auto_restart_ms: u32,
-    /// Wait before a fault can be acknowledged.
-    pub fault_wait_ms: u32,
-    /// Longest time without a command while driving; more is a fault.
-    pub command_timeout_ms: u32,
-    /// Open loop is enabled.
-    pub open_loop: u8,
-    /// The sensorless loop is enabled.
-    pub sensorless: u8,
-    /// The hall loop is enabled; it takes precedence over the other two.
-    pub hall: u8,
 }
 
 /// Inputs of the state machine in one tick; a flag is set if it is not 0.
@@ -114,10 +88,7 @@ pub unsafe extern "C" fn narx_state_init(
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(machine, size, error, || StateMachine::build(&settings.into())) },
-        Err(error) => error,
-    }
+    unsafe { init(machine, size, settings, error, StateMachine::build) }
 }
 
 /// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,
@@ -185,40 +156,6 @@ pub(super) fn state(number: u8) -> Result<State, narx_status_t> {
 /// Returns the row of the transition table between two states.
 pub(super) fn row(from: State, to: State) -> Result<&'static Transition, narx_status_t> {
     TRANSITIONS.iter().find(|row| row.from == from && row.to == to).ok_or(NARX_ERROR_ARGUMENT)
-}
-
-impl From<StateSettings> for narx_state_settings_t {
-    fn from(settings: StateSettings) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            boot_ms: settings.boot_ms,
-            lock_ms: settings.lock_ms,
-            open_loop_ms: settings.open_loop_ms,
-            auto_restart_ms: settings.auto_restart_ms,
-            fault_wait_ms: settings.fault_wait_ms,
-            command_timeout_ms: settings.command_timeout_ms,
-            open_loop: settings.open_loop.into(),
-            sensorless: settings.sensorless.into(),
-            hall: settings.hall.into(),
-        }
-    }
-}
-
-impl From<&narx_state_settings_t> for StateSettings {
-    fn from(settings: &narx_state_settings_t) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            open_loop: settings.open_loop != 0,
-            sensorless: settings.sensorless != 0,
-            hall: settings.hall != 0,
-            boot_ms: settings.boot_ms,
-            lock_ms: settings.lock_ms,
-            open_loop_ms: settings.open_loop_ms,
-            auto_restart_ms: settings.auto_restart_ms,
-            fault_wait_ms: settings.fault_wait_ms,
-            command_timeout_ms: settings.command_timeout_ms,
-        }
-    }
 }
 
 impl From<&narx_state_inputs_t> for Inputs {

@@ -1,13 +1,12 @@
 //! Zero crossings of the floating phase: angle, speed and the next commutation.
 
-use super::{direction, init, narx_commutation_settings_t, narx_setting_error_t};
-use crate::board::narx_channel_t;
+use super::{direction, init, narx_setting_error_t, narx_zero_crossing_settings_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::pwm::NARX_COMMUTATIONS_MAX;
 use crate::samples::narx_samples_t;
 use crate::status::narx_status_t::{self, *};
-use narx_core::blocks::{CommutationSettings, ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
+use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
 use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
 
 /// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved
@@ -23,37 +22,6 @@ const _: () = handle::assert_fits::<narx_zero_crossing_t>();
 impl Handle for narx_zero_crossing_t {
     type Object = ZeroCrossing;
     const MARK: u32 = u32::from_be_bytes(*b"nxZC");
-}
-
-/// Settings of a narx_zero_crossing_t.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct narx_zero_crossing_settings_t {
-    /// Ticks a second, 1 000 to 100 000 Hz.
-    pub tick_rate: u32,
-    /// Least blanking after a commutation, 0 to 100 000 us.
-    pub blanking_us: u32,
-    /// Delay of a rising crossing, -10 000 to 10 000 us.
-    pub delay_rising_us: i32,
-    /// Delay of a falling crossing, -10 000 to 10 000 us.
-    pub delay_falling_us: i32,
-    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm. 0 is unknown: crossings in the off-time are
-    /// then not corrected for their threshold.
-    pub back_emf_uv_per_rpm: u32,
-    /// Scale of the three phase terminals.
-    pub terminal: narx_channel_t,
-    /// Scale of the bus voltage.
-    pub bus_voltage: narx_channel_t,
-    /// Instant of the period at which a new step acts, and the advance of the next commutation.
-    pub commutation: narx_commutation_settings_t,
-    /// Pole pairs, 1 to 100.
-    pub pole_pairs: u16,
-    /// No crossing for this long is standstill, 1 to 32 767 ticks.
-    pub timeout_ticks: u16,
-    /// Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
-    pub noise_codes: u8,
-    /// Not 0: comparators with captured edges take the place of samples.
-    pub comparator: u8,
 }
 
 /// The pattern that was applied in the period that has ended.
@@ -121,10 +89,7 @@ pub unsafe extern "C" fn narx_zero_crossing_init(
     error: *mut narx_setting_error_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::read(settings) } {
-        Ok(settings) => unsafe { init(detector, size, error, || ZeroCrossing::build(&settings.into())) },
-        Err(error) => error,
-    }
+    unsafe { init(detector, size, settings, error, ZeroCrossing::build) }
 }
 
 /// Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1
@@ -188,45 +153,6 @@ impl TryFrom<&narx_applied_t> for PwmCommand {
             command.commutations.push(Commutation { instant, step: known(step)? });
         }
         Ok(command)
-    }
-}
-
-impl From<ZeroCrossingSettings> for narx_zero_crossing_settings_t {
-    fn from(settings: ZeroCrossingSettings) -> Self {
-        let CommutationSettings { advance_cdeg, earliest } = settings.commutation;
-        Self {
-            tick_rate: settings.tick_rate,
-            blanking_us: settings.blanking_us,
-            delay_rising_us: settings.delay_rising_us,
-            delay_falling_us: settings.delay_falling_us,
-            back_emf_uv_per_rpm: settings.back_emf_uv_per_rpm,
-            terminal: settings.terminal.into(),
-            bus_voltage: settings.bus_voltage.into(),
-            commutation: narx_commutation_settings_t { advance_cdeg, earliest },
-            pole_pairs: settings.pole_pairs,
-            timeout_ticks: settings.timeout_ticks,
-            noise_codes: settings.noise_codes,
-            comparator: settings.comparator.into(),
-        }
-    }
-}
-
-impl From<&narx_zero_crossing_settings_t> for ZeroCrossingSettings {
-    fn from(settings: &narx_zero_crossing_settings_t) -> Self {
-        Self {
-            tick_rate: settings.tick_rate,
-            terminal: settings.terminal.into(),
-            bus_voltage: settings.bus_voltage.into(),
-            noise_codes: settings.noise_codes,
-            blanking_us: settings.blanking_us,
-            commutation: (&settings.commutation).into(),
-            comparator: settings.comparator != 0,
-            delay_rising_us: settings.delay_rising_us,
-            delay_falling_us: settings.delay_falling_us,
-            back_emf_uv_per_rpm: settings.back_emf_uv_per_rpm,
-            pole_pairs: settings.pole_pairs,
-            timeout_ticks: settings.timeout_ticks,
-        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Six-step commutation.
 
-use super::{Column, direction, member, position, same_length, scaled, step};
+use super::{Column, direction, member, numbers, same_length, step};
 use crate::error;
 use crate::state::words;
+use narx_core::blocks::engineering::{instant, position, scaled};
 use narx_core::blocks::{Commutation as Core, CommutationSettings};
 use narx_core::motor::Step;
 use numpy::{IntoPyArray, PyArray1};
@@ -35,11 +36,12 @@ impl Commutation {
         if !(1..=1_000_000).contains(&tick_rate) {
             return Err(error::parameter(format!("tick_rate {tick_rate} Hz: must be from 1 to 1000000")));
         }
-        let settings = CommutationSettings {
-            advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
-            earliest: instant("earliest", earliest)?,
-        };
-        Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
+        let core = numbers(|| {
+            let advance_cdeg = scaled("advance", advance, "degrees", 100.0)?;
+            let earliest = instant("earliest", earliest)?;
+            Ok(Core::build(&CommutationSettings { advance_cdeg, earliest })?)
+        })?;
+        Ok(Self { core, tick_rate })
     }
 
     /// Returns the step at the earliest instant of a period, and up to two changes later in it as (instant in
@@ -47,7 +49,8 @@ impl Commutation {
     /// in reverse. reverse: torque in reverse.
     #[pyo3(signature = (angle, speed, reverse=false))]
     fn step<'py>(&mut self, py: Python<'py>, angle: f64, speed: f64, reverse: bool) -> PyResult<Answer<'py>> {
-        let (step, changes) = self.core.step(position(angle, speed, self.tick_rate)?, direction(reverse));
+        let position = position(angle, speed, self.tick_rate).map_err(error::parameter)?;
+        let (step, changes) = self.core.step(position, direction(reverse));
         let change = |instant: u16, step| Ok((f64::from(instant) / 65_536.0, member(py, step)?));
         let changes: PyResult<_> = changes.iter().map(|c| change(c.instant, c.step)).collect();
         Ok((member(py, step)?, changes?))
@@ -67,7 +70,7 @@ impl Commutation {
         same_length("speed", speed.len(), "angle", angle.len())?;
         let mut steps = Vec::with_capacity(angle.len());
         for (angle, speed) in angle.iter().zip(&speed) {
-            let position = position(*angle, *speed, self.tick_rate)?;
+            let position = position(*angle, *speed, self.tick_rate).map_err(error::parameter)?;
             let (step, changes) = self.core.step(position, direction(reverse));
             steps.push(changes.last().map_or(step, |last| last.step) as u8);
         }
@@ -95,10 +98,4 @@ impl Commutation {
         let [a, b, c] = self::step(step)?.legs().map(|leg| words(&leg));
         Ok((a, b, c))
     }
-}
-
-/// Converts an instant in periods to 1/65 536 of a period.
-pub(super) fn instant(name: &str, periods: f64) -> PyResult<u16> {
-    error::number(name, periods, "periods", "from 0 to below 1", |periods| (0.0..1.0).contains(&periods))
-        .map(|periods| (periods * 65_536.0).round().min(65_535.0) as u16)
 }

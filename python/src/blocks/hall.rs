@@ -1,7 +1,8 @@
 //! Hall sensors.
 
-use super::{Column, degrees, raw, real, same_length, scaled};
+use super::{Column, numbers, same_length};
 use crate::error;
+use narx_core::blocks::engineering::{degrees, instant, raw, real, scaled};
 use narx_core::blocks::{Hall as Core, HallReading as Reading, HallSettings};
 use narx_core::motor::{Edge, EdgeSource};
 use narx_core::units::ElectricalSpeed;
@@ -63,20 +64,19 @@ impl Hall {
         interpolation_min: f64,
         captured: bool,
     ) -> PyResult<Self> {
-        let settings = HallSettings {
-            tick_rate,
-            order,
-            polarity,
-            offset_cdeg: scaled("offset", offset, "degrees", 100.0)?,
-            timeout_ms: scaled("timeout", timeout, "s", 1000.0)?,
-            interpolation_min: ElectricalSpeed::from_bits(raw(
-                "interpolation_min",
-                interpolation_min,
-                "rev/s",
-            )?),
-            captured,
-        };
-        Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
+        let core = numbers(|| {
+            let floor = raw("interpolation_min", interpolation_min, "rev/s")?;
+            Ok(Core::build(&HallSettings {
+                tick_rate,
+                offset_cdeg: scaled("offset", offset, "degrees", 100.0)?,
+                timeout_ms: scaled("timeout", timeout, "s", 1000.0)?,
+                interpolation_min: ElectricalSpeed::from_bits(floor),
+                order,
+                polarity,
+                captured,
+            })?)
+        })?;
+        Ok(Self { core, tick_rate })
     }
 
     /// Runs one tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: those of the period that
@@ -86,7 +86,7 @@ impl Hall {
         let edges: PyResult<Vec<Edge>> = edges
             .unwrap_or_default()
             .into_iter()
-            .map(|(instant, code)| Ok(edge(super::commutation::instant("edge", instant)?, code)))
+            .map(|(at, code)| Ok(edge(instant("edge", at).map_err(error::parameter)?, code)))
             .collect();
         Ok(reading(&self.core.step(code, &edges?)))
     }

@@ -14,8 +14,7 @@ pub(crate) use ramp::Ramp;
 pub(crate) use zero_crossing::{ZeroCrossing, ZeroCrossingReading};
 
 use crate::error;
-use narx_core::blocks::Position;
-use narx_core::motor::gain::Gain;
+use narx_core::blocks::engineering::{NumberError, raw};
 use narx_core::motor::{Direction, Step};
 use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::prelude::*;
@@ -23,71 +22,17 @@ use pyo3::prelude::*;
 /// A column of numbers, or anything that numpy converts to one.
 pub(crate) type Column<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
-const ONE: f64 = 65_536.0;
-const TURN: f64 = 4_294_967_296.0;
-
-/// Converts a value to raw I16F16, rounded to nearest.
-fn raw(name: &str, value: f64, unit: &str) -> PyResult<i32> {
-    let allowed = "a finite number from -32768 to 32767.99998";
-    let fits = |value: f64| (-32_768.0..32_767.999_99).contains(&value);
-    error::number(name, value, unit, allowed, fits).map(|value| (value * ONE).round() as i32)
-}
-
 /// Converts a column to raw I16F16, rounded to nearest.
 fn raws(name: &str, values: &Column<'_>) -> PyResult<Vec<i32>> {
     let values = values.as_array();
-    values.iter().enumerate().map(|(row, value)| raw(&format!("{name}[{row}]"), *value, "")).collect()
+    let row =
+        |(row, value): (usize, &f64)| raw(&format!("{name}[{row}]"), *value, "").map_err(error::parameter);
+    values.iter().enumerate().map(row).collect()
 }
 
-fn real(raw: i32) -> f64 {
-    f64::from(raw) / ONE
-}
-
-/// Returns the nearest gain of 30 bits.
-fn gain(name: &str, value: f64) -> PyResult<Gain> {
-    let mut shift = 62;
-    let least = 2.0_f64.powi(-55);
-    let largest = f64::from(Gain::MANTISSA_MAX);
-    let allowed = format!("0, or from {least:e} to {largest:e}");
-    error::number(name, value, "", &allowed, |value| value == 0.0 || (least..=largest).contains(&value))?;
-    let scaled = |shift: i32| (value * 2.0_f64.powi(shift)).round();
-    while shift > 0 && scaled(shift) > largest {
-        shift -= 1;
-    }
-    Gain::new(scaled(shift) as i32, shift as u8).ok_or_else(|| error::parameter(format!("{name} {value}")))
-}
-
-fn value_of(gain: Gain) -> f64 {
-    f64::from(gain.mantissa()) * 2.0_f64.powi(-i32::from(gain.shift()))
-}
-
-/// Converts a value in an SI unit to a whole number of the unit of core's setting.
-fn scaled<T: TryFrom<i64>>(name: &str, value: f64, unit: &str, per_unit: f64) -> PyResult<T> {
-    let given = error::finite(name, value, unit)?;
-    let refused = || error::parameter(format!("{name} {value} {unit}: out of range"));
-    T::try_from((given * per_unit).round() as i64).map_err(|_| refused())
-}
-
-/// Converts electrical degrees and rev/s to a rotor position.
-fn position(angle: f64, speed: f64, tick_rate: u32) -> PyResult<Position> {
-    let angle = error::finite("angle", angle, "degrees")?;
-    let most = f64::from(tick_rate) / 12.0;
-    let speed = error::number(
-        "speed",
-        speed,
-        "rev/s",
-        &format!("from {} to {most}, a twelfth of the tick rate", -most),
-        |speed| speed.abs() <= most,
-    )?;
-    Ok(Position {
-        angle: ((angle / 360.0).rem_euclid(1.0) * TURN) as u64 as u32,
-        speed: (speed / f64::from(tick_rate) * TURN).round() as i32,
-    })
-}
-
-/// Converts a turn to electrical degrees, 0 to 360.
-fn degrees(turn: u32) -> f64 {
-    f64::from(turn) * 360.0 / TURN
+/// Runs what takes numbers; one that is out of range becomes a ParameterError, which names it.
+fn numbers<'a, T>(run: impl FnOnce() -> Result<T, NumberError<'a>>) -> PyResult<T> {
+    run().map_err(error::parameter)
 }
 
 const fn direction(reverse: bool) -> Direction {

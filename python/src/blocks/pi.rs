@@ -1,7 +1,7 @@
 //! The PI controller.
 
-use super::{Column, gain, raw, raws, real, value_of};
-use crate::error;
+use super::{Column, numbers, raws};
+use narx_core::blocks::engineering::{gain, raw, real, value_of};
 use narx_core::blocks::{Pi as Core, PiSettings};
 use narx_core::motor::gain::Gain;
 use numpy::{IntoPyArray, PyArray1};
@@ -28,20 +28,22 @@ impl Pi {
     #[new]
     #[pyo3(signature = (proportional, integral, step_rate, minimum, maximum))]
     fn new(proportional: f64, integral: f64, step_rate: u32, minimum: f64, maximum: f64) -> PyResult<Self> {
-        let settings = PiSettings {
-            proportional: gain("proportional", proportional)?,
-            integral: gain("integral", integral)?,
-            step_rate,
-            minimum: raw("minimum", minimum, "")?,
-            maximum: raw("maximum", maximum, "")?,
-        };
-        let core = Core::build(&settings).map_err(error::parameter)?;
-        Ok(Self { core, proportional: settings.proportional, step_rate })
+        numbers(|| {
+            let proportional = gain("proportional", proportional)?;
+            let core = Core::build(&PiSettings {
+                proportional,
+                integral: gain("integral", integral)?,
+                step_rate,
+                minimum: raw("minimum", minimum, "")?,
+                maximum: raw("maximum", maximum, "")?,
+            })?;
+            Ok(Self { core, proportional, step_rate })
+        })
     }
 
     /// Returns the output for one `error`.
     fn step(&mut self, error: f64) -> PyResult<f64> {
-        Ok(real(self.core.step(raw("error", error, "")?)))
+        numbers(|| Ok(real(self.core.step(raw("error", error, "")?))))
     }
 
     /// Returns the outputs for a sequence of errors: arrays of shape (n,).
@@ -58,14 +60,14 @@ impl Pi {
     /// so that the controller takes over again without a bump.
     #[pyo3(signature = (applied, error))]
     fn track(&mut self, applied: f64, error: f64) -> PyResult<()> {
-        self.core.track(raw("applied", applied, "")?, raw("error", error, "")?);
+        let (applied, error) = numbers(|| Ok((raw("applied", applied, "")?, raw("error", error, "")?)))?;
+        self.core.track(applied, error);
         Ok(())
     }
 
     /// Sets the integrator so that it alone gives `output`.
     fn hold(&mut self, output: f64) -> PyResult<()> {
-        self.core.hold(raw("output", output, "")?);
-        Ok(())
+        numbers(|| raw("output", output, "").map(|output| self.core.hold(output)))
     }
 
     /// Kp in use, output per error: rounded to 30 bits.

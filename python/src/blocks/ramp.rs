@@ -1,7 +1,7 @@
 //! The ramp.
 
-use super::{Column, raw, raws, real};
-use crate::error;
+use super::{Column, numbers, raws};
+use narx_core::blocks::engineering::{raw, real};
 use narx_core::blocks::{Ramp as Core, RampSettings};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -24,15 +24,16 @@ impl Ramp {
     #[new]
     #[pyo3(signature = (rate, step_rate, value=0.0))]
     fn new(rate: f64, step_rate: u32, value: f64) -> PyResult<Self> {
-        let settings = RampSettings { rate: raw("rate", rate, "")?, step_rate };
-        let mut core = Core::build(&settings).map_err(error::parameter)?;
-        core.set(raw("value", value, "")?);
-        Ok(Self { core, step_rate })
+        numbers(|| {
+            let mut core = Core::build(&RampSettings { rate: raw("rate", rate, "")?, step_rate })?;
+            core.set(raw("value", value, "")?);
+            Ok(Self { core, step_rate })
+        })
     }
 
     /// Moves one step towards `target`; returns the new value.
     fn step(&mut self, target: f64) -> PyResult<f64> {
-        Ok(real(self.core.step(raw("target", target, "")?)))
+        numbers(|| Ok(real(self.core.step(raw("target", target, "")?))))
     }
 
     /// Moves a step towards each of a sequence of targets; returns the values: arrays of shape (n,).
@@ -52,8 +53,7 @@ impl Ramp {
 
     #[setter]
     fn set_value(&mut self, value: f64) -> PyResult<()> {
-        self.core.set(raw("value", value, "")?);
-        Ok(())
+        numbers(|| raw("value", value, "").map(|value| self.core.set(value)))
     }
 
     /// Steepest change in use, units a second: rounded to the fixed point of a step.

@@ -1,9 +1,9 @@
 //! Zero crossings.
 
-use super::commutation::instant;
-use super::{Column, degrees, direction, real, same_length, scaled, step};
+use super::{Column, direction, numbers, same_length, step};
 use crate::error;
 use crate::state::words;
+use narx_core::blocks::engineering::{degrees, instant, real, scaled, turn};
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
@@ -79,34 +79,32 @@ impl ZeroCrossing {
         pole_pairs: u16,
         timeout: f64,
     ) -> PyResult<Self> {
-        let micro_per_code = scaled("volts_per_code", volts_per_code, "V", 1e6)?;
-        let channel = Channel { zero: 0, micro_per_code };
-        let settings = ZeroCrossingSettings {
-            tick_rate,
-            terminal: channel,
-            bus_voltage: channel,
-            noise_codes,
-            blanking_us: scaled("blanking", blanking, "s", 1e6)?,
-            commutation: CommutationSettings {
-                advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
-                earliest: instant("earliest", earliest)?,
-            },
-            back_emf_uv_per_rpm: scaled("back_emf", back_emf, "V/rpm", 1e6)?,
-            pole_pairs,
-            timeout_ticks: scaled("timeout", timeout, "s", tick_rate.into())?,
-            ..ZeroCrossingSettings::default()
-        };
-        let core = Core::build(&settings).map_err(error::parameter)?;
-        Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate: tick_rate.into() })
+        numbers(|| {
+            let micro_per_code = scaled("volts_per_code", volts_per_code, "V", 1e6)?;
+            let channel = Channel { zero: 0, micro_per_code };
+            let core = Core::build(&ZeroCrossingSettings {
+                tick_rate,
+                blanking_us: scaled("blanking", blanking, "s", 1e6)?,
+                back_emf_uv_per_rpm: scaled("back_emf", back_emf, "V/rpm", 1e6)?,
+                terminal: channel,
+                bus_voltage: channel,
+                commutation: CommutationSettings {
+                    advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+                    earliest: instant("earliest", earliest)?,
+                },
+                pole_pairs,
+                timeout_ticks: scaled("timeout", timeout, "s", tick_rate.into())?,
+                noise_codes,
+                ..ZeroCrossingSettings::default()
+            })?;
+            Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate: tick_rate.into() })
+        })
     }
 
     /// Begins to bring up a rotor that rests at `angle`, electrical degrees.
     #[pyo3(signature = (angle, reverse=false))]
     fn start(&mut self, angle: f64, reverse: bool) -> PyResult<()> {
-        let angle = error::finite("angle", angle, "degrees")?;
-        let turn = (angle / 360.0).rem_euclid(1.0) * 4_294_967_296.0;
-        self.core.start(turn as u64 as u32, direction(reverse));
-        Ok(())
+        numbers(|| turn("angle", angle).map(|turn| self.core.start(turn, direction(reverse))))
     }
 
     /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
@@ -131,11 +129,10 @@ impl ZeroCrossing {
         reverse: bool,
     ) -> PyResult<ZeroCrossingReading> {
         let mut applied = self.applied(step, on_time)?;
-        applied.sample_at = instant("sample_at", sample_at)?;
+        applied.sample_at = instant("sample_at", sample_at).map_err(error::parameter)?;
         for (at, step) in changes.unwrap_or_default() {
-            applied
-                .commutations
-                .push(Commutation { instant: instant("change", at)?, step: self::step(step)? });
+            let instant = instant("change", at).map_err(error::parameter)?;
+            applied.commutations.push(Commutation { instant, step: self::step(step)? });
         }
         let samples = self.samples("phase_voltage", phase_voltage, bus_voltage, on_time)?;
         let reading = self.core.step(&samples, &applied, direction(reverse));

@@ -1,7 +1,8 @@
 //! Zero crossings of the back-EMF. This file only converts numbers to fixed point and back.
 
-use crate::blocks::{ONE, TURN, real};
+use crate::blocks::{ONE, numbers};
 use js_sys::{Array, Object};
+use narx_core::blocks::engineering::{degrees, real, scaled, turn};
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
@@ -10,7 +11,7 @@ use narx_core::motor::guard::rails::Rail;
 use narx_core::motor::rotor::zero_crossing::Why;
 use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{Direction, PwmCommand, SampleMode, Samples, Step};
-use narx_wasm_values::error::{range_error, shown, type_error, whole};
+use narx_wasm_values::error::{range_error, type_error, whole};
 use narx_wasm_values::options::{Options, set};
 use wasm_bindgen::prelude::*;
 
@@ -96,39 +97,39 @@ impl ZeroCrossing {
         #[wasm_bindgen(unchecked_optional_param_type = "ZeroCrossingOptions")] options: &JsValue,
     ) -> Result<ZeroCrossing, JsValue> {
         let options = Options::new("ZeroCrossing", options, &OPTIONS)?;
-        // A value that does not fit its type is out of its range, too; core then names the setting.
-        let scaled = |name, plain: f64, per_unit: f64| {
-            Ok::<f64, JsValue>((options.magnitude(name)?.unwrap_or(plain) * per_unit).round())
-        };
+        let number = |name, default: f64| Ok::<f64, JsValue>(options.number(name)?.unwrap_or(default));
         let tick_rate = options.whole("tickRate", 1e3, 1e5)?.unwrap_or(10_000.0);
-        let micro_per_code = scaled("voltsPerCode", 0.019_531, 1e6)? as i32;
-        let channel = Channel { zero: 0, micro_per_code };
-        let settings = ZeroCrossingSettings {
-            tick_rate: tick_rate as u32,
-            terminal: channel,
-            bus_voltage: channel,
-            noise_codes: options.whole("noiseCodes", 1.0, 255.0)?.unwrap_or(4.0) as u8,
-            blanking_us: scaled("blanking", 200e-6, 1e6)? as u32,
-            commutation: CommutationSettings {
-                advance_cdeg: scaled("advance", 0.0, 100.0)? as u16,
-                ..ZeroCrossingSettings::default().commutation
-            },
-            back_emf_uv_per_rpm: scaled("backEmf", 0.0, 1e6)? as u32,
-            pole_pairs: options.whole("polePairs", 1.0, 100.0)?.unwrap_or(1.0) as u16,
-            timeout_ticks: scaled("timeout", 0.05, tick_rate)? as u16,
-            ..ZeroCrossingSettings::default()
-        };
-        let core = Core::build(&settings).map_err(|refused| range_error(&refused))?;
-        Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate })
+        let noise_codes = options.whole("noiseCodes", 1.0, 255.0)?.unwrap_or(4.0) as u8;
+        let pole_pairs = options.whole("polePairs", 1.0, 100.0)?.unwrap_or(1.0) as u16;
+        let (volts_per_code, blanking) = (number("voltsPerCode", 0.019_531)?, number("blanking", 200e-6)?);
+        let (advance, back_emf) = (number("advance", 0.0)?, number("backEmf", 0.0)?);
+        let timeout = number("timeout", 0.05)?;
+        numbers(|| {
+            let micro_per_code = scaled("voltsPerCode", volts_per_code, "V", 1e6)?;
+            let channel = Channel { zero: 0, micro_per_code };
+            let plain = ZeroCrossingSettings::default();
+            let core = Core::build(&ZeroCrossingSettings {
+                tick_rate: tick_rate as u32,
+                blanking_us: scaled("blanking", blanking, "s", 1e6)?,
+                back_emf_uv_per_rpm: scaled("backEmf", back_emf, "V/rpm", 1e6)?,
+                terminal: channel,
+                bus_voltage: channel,
+                commutation: CommutationSettings {
+                    advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+                    ..plain.commutation
+                },
+                pole_pairs,
+                timeout_ticks: scaled("timeout", timeout, "s", tick_rate)?,
+                noise_codes,
+                ..plain
+            })?;
+            Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate })
+        })
     }
 
     /// Begins to bring up a rotor that rests at `angle`, electrical degrees.
     pub fn start(&mut self, angle: f64, reverse: Option<bool>) -> Result<(), JsValue> {
-        if !angle.is_finite() {
-            return Err(range_error(&format!("angle {}: must be a finite number", shown(&angle.into()))));
-        }
-        self.core.start(((angle / 360.0).rem_euclid(1.0) * TURN) as u64 as u32, direction(reverse));
-        Ok(())
+        numbers(|| turn("angle", angle).map(|turn| self.core.start(turn, direction(reverse))))
     }
 
     /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
@@ -185,7 +186,7 @@ impl ZeroCrossing {
         set(&shaped, "why", why);
         set(&shaped, "margin", f64::from(reading.margin) * 360.0 / ONE);
         set(&shaped, "accepted", reading.accepted);
-        set(&shaped, "angle", f64::from(reading.position.angle) * 360.0 / TURN);
+        set(&shaped, "angle", degrees(reading.position.angle));
         set(&shaped, "speed", real(reading.speed.to_bits()));
         if let Some(time) = reading.commutation {
             set(&shaped, "commutation", seconds(time.into()));
