@@ -245,7 +245,9 @@ def test_log_is_written_downloaded_and_erased(drive: narx.Drive) -> None:
     assert list(records) == ["index", "time", "HV Voltage mean", "Mechanical estimated speed HES max", "Drive state"]
     assert len(records) == len(log) > 20 and told[-1][0] == told[-1][1] > 0
     assert records["index"].tolist() == list(range(len(records)))
-    assert np.diff(records.time)[1:-1] == pytest.approx(0.01)
+    # While the slots were being written, and once they are taken back, the period was another one.
+    moving = records.time[records["Mechanical estimated speed HES max"] > 0]
+    assert len(moving) > 10 and np.diff(moving)[:-1] == pytest.approx(0.01)
     assert records["Mechanical estimated speed HES max"].max() == pytest.approx(2500, rel=0.05)
     part = log.download(first=20, count=5)
     assert part["index"].tolist() == [20, 21, 22, 23, 24] and (part["time"] == records["time"][20:25]).all()

@@ -1,9 +1,10 @@
-//! Flash of the core on a small board, and the bytes that each feature adds to it: golden figures in
-//! `tests/golden/small_board.toml`.
+//! Flash of the core on a small board, the bytes that each feature adds to it, and the control tick alone:
+//! golden figures in `tests/golden/small_board.toml`.
 
+use crate::cross::{self, Processor};
 use crate::image::EMBEDDED;
 use crate::install;
-use crate::{cross, sizes};
+use crate::sizes;
 use narx_report::steps::Outcome;
 use narx_report::steps::output;
 use narx_report::target_directory;
@@ -16,8 +17,9 @@ const GOLDEN: &str = "tests/golden/small_board.toml";
 const HEAD: &str = "\
 # Flash of everything in the core that a small board links (firmware/small: control tick, background, parameters, broadcasts; no peripherals, no
 # store), bytes of code and constants on a Cortex-M4F at opt-level z, the processor's vector table not counted. `least` is the core without
-# features, `every` with all of them, and under `adds` what a feature alone adds to the least.
-# Made anew by `cargo xtask sizes`; `least` and `every` are compared within 1 % by `cargo xtask test firmware`.
+# features but the control modes, `every` with all of them, and under `adds` what a feature alone adds to the least. Under `alone` is the control tick
+# without parameters and bus (firmware/small/src/motor.rs), by control modes, processor and opt-level.
+# Made anew by `cargo xtask sizes`; `least`, `every` and `alone` on a Cortex-M4F at opt-level z are compared within 1 % by `cargo xtask test firmware`.
 
 ";
 
@@ -25,19 +27,45 @@ const HEAD: &str = "\
 const FEATURES: [&str; 7] =
     ["names", "description", "log", "scope", "recorder", "hall-calibration", "accelerometer"];
 
+/// Control modes of a control tick alone.
+const MODES: [(&str, &[&str]); 3] = [
+    ("hall", &["hall"]),
+    ("sensorless", &["sensorless"]),
+    ("every_mode", &["hall", "sensorless", "open-loop"]),
+];
+
+/// Cargo profiles of the two opt-levels.
+const LEVELS: [(&str, &str); 2] = [("z", "small"), ("3", "release")];
+
 /// Measures, and writes the golden file or, with `check`, compares the two main figures.
 ///
 /// # Errors
 /// Fails with the compiler's message, or if a figure differs from the golden one.
 pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let (least, every) = least_and_every(root)?;
+    let closing = format!("flash of the core on a small board: {least}, with every feature {every}");
     let path = root.join(GOLDEN);
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     if check {
-        let golden = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let golden: toml::Table = golden.parse().map_err(|error| format!("{}: {error}", path.display()))?;
-        for (name, now) in [("least", least), ("every", every)] {
-            let before = golden.get(name).and_then(toml::Value::as_integer).unwrap_or(-1);
+        let golden: toml::Table = fs::read_to_string(&path)
+            .map_err(|error| failed(&error))?
+            .parse()
+            .map_err(|error| failed(&error))?;
+        let figure = |keys: &[&str]| {
+            let mut value = golden.get(*keys.first()?)?;
+            for key in &keys[1..] {
+                value = value.get(key)?;
+            }
+            value.as_integer()
+        };
+        let mut now = vec![(vec!["least"], least), (vec!["every"], every)];
+        for (name, modes) in MODES {
+            now.push((vec!["alone", EMBEDDED, name, "z"], alone(root, EMBEDDED, "small", modes)?));
+        }
+        for (keys, now) in now {
+            let before = figure(&keys).unwrap_or(-1);
             if (now - before).abs() as f64 > sizes::TOLERANCE * before.abs() as f64 {
+                let name = keys.join(" ");
                 return Err(format!("small board, {name}: golden {before}, now {now}: cargo xtask sizes"));
             }
         }
@@ -46,9 +74,20 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
         for feature in FEATURES {
             let _ = writeln!(text, "{feature} = {}", flash(root, &[feature])? - least);
         }
-        fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        for processor in Processor::ALL {
+            install::rust_target(processor.target())?;
+            let _ = writeln!(text, "\n[alone.{}]", processor.target());
+            for (name, modes) in MODES {
+                let bytes = |(level, profile)| {
+                    Ok(format!("{level} = {}", alone(root, processor.target(), profile, modes)?))
+                };
+                let levels: Result<Vec<_>, String> = LEVELS.into_iter().map(bytes).collect();
+                let _ = writeln!(text, "{name} = {{ {} }}", levels?.join(", "));
+            }
+        }
+        fs::write(&path, text).map_err(|error| failed(&error))?;
     }
-    Ok(vec![format!("flash of the core on a small board: {least}, with every feature {every}")])
+    Ok(vec![closing])
 }
 
 /// Flash without features, and with all of them, bytes.
@@ -61,13 +100,24 @@ pub(crate) fn least_and_every(root: &Path) -> Result<(i64, i64), String> {
     Ok((flash(root, &[])?, flash(root, &FEATURES)?))
 }
 
-/// Code and constants with these features of the core, bytes.
+/// Code and constants with these features of the core beside the control modes, bytes.
 fn flash(root: &Path, features: &[&str]) -> Result<i64, String> {
     let features: Vec<_> = features.iter().map(|feature| format!("narx-core/{feature}")).collect();
+    image(root, EMBEDDED, "small", &["--bin", "small", "--features", &features.join(",")])
+}
+
+/// Code and constants of the control tick alone with these control modes, bytes.
+fn alone(root: &Path, target: &str, profile: &str, modes: &[&str]) -> Result<i64, String> {
+    let arguments = ["--bin", "motor", "--no-default-features", "--features", &modes.join(",")];
+    image(root, target, profile, &arguments)
+}
+
+/// Builds an image of narx-small, named by the second of `arguments`; returns its code and constants, bytes.
+fn image(root: &Path, target: &str, profile: &str, arguments: &[&str]) -> Result<i64, String> {
     let mut build = Command::new("cargo");
-    build.current_dir(root).args(["build", "--quiet", "--profile", "small", "-p", "narx-small"]);
-    output(build.args(["--target", EMBEDDED, "--features", &features.join(",")]))?;
-    let image = target_directory(root).join(EMBEDDED).join("small/small");
+    build.current_dir(root).args(["build", "--quiet", "--profile", profile, "-p", "narx-small"]);
+    output(build.args(["--target", target]).args(arguments))?;
+    let image = target_directory(root).join(target).join(profile).join(arguments[1]);
     let sections = output(Command::new("arm-none-eabi-size").arg("-A").arg(&image))?;
     let of = |name: &str| {
         let line = sections.lines().find(|line| line.split_whitespace().next() == Some(name))?;

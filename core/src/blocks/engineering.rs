@@ -18,9 +18,9 @@ pub struct NumberError<'a> {
     pub name: &'a str,
     /// The rejected value.
     pub value: f64,
-    /// Smallest valid value.
+    /// Smallest valid value, that of `f64` if only a finite number is asked for.
     pub min: f64,
-    /// Largest valid value.
+    /// Largest valid value, likewise.
     pub max: f64,
     /// Unit of the three, "" without one.
     pub unit: &'static str,
@@ -30,7 +30,8 @@ impl fmt::Display for NumberError<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [value, min, max] = [self.value, self.min, self.max].map(Shown::Plain);
         let space = if self.unit.is_empty() { "" } else { " " };
-        write!(f, "{} {value}{space}{}: must be from {min} to {max}", self.name, self.unit)
+        write!(f, "{} {value}{space}{}: must be ", self.name, self.unit)?;
+        if self.max == f64::MAX { f.write_str("a finite number") } else { write!(f, "from {min} to {max}") }
     }
 }
 

@@ -9,6 +9,7 @@ use super::guard::protection::{ProtectionCoefficients, Thresholds};
 use super::guard::rails::RailCoefficients;
 use super::machine::MachineCoefficients;
 use super::machine::state::State;
+use super::modes::{HALL, HALL_CALIBRATION, LEFT_OUT, OPEN_LOOP, SENSORLESS};
 use super::rotor::back_emf::BackEmfCoefficients;
 use super::rotor::hall::HallWiring;
 use super::rotor::hall::{HallCoefficients, sectors};
@@ -104,15 +105,14 @@ impl Coefficients {
             return Err(misfit);
         }
         let lock_level = b.level(number::LOCK_DUTY);
+        let [open_loop, sensorless, hall] = b.enables();
         let coefficients = Self {
             measurement: b.measurement(),
-            hall: b.hall(),
-            hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_level),
-            open_loop: b
-                .only_if(b.is_set(number::OPEN_LOOP_ENABLE) || b.is_set(number::SENSORLESS_ENABLE), |b| {
-                    b.open_loop(lock_level)
-                }),
-            sensorless: b.only_if(b.is_set(number::SENSORLESS_ENABLE), |b| b.sensorless(lock_level)),
+            hall: b.part(HALL || HALL_CALIBRATION, true, Builder::hall),
+            hall_calibration: b.part(HALL_CALIBRATION, true, |b| b.hall_calibration(lock_level)),
+            // The fault logic uses its scale of speed, too.
+            open_loop: b.only_if(open_loop || sensorless, |b| b.open_loop(lock_level)),
+            sensorless: b.part(SENSORLESS, sensorless, |b| b.sensorless(lock_level)),
             protection: b.protection(),
             machine: b.machine(lock_level),
             control: b.control(),
@@ -120,8 +120,9 @@ impl Coefficients {
                 earliest: board.earliest,
                 advance: b.angle32(number::TIMING_ADVANCE),
             },
-            hall_mode: b.only_if(b.is_set(number::HALL_ENABLE), Builder::hall_mode),
-            sensorless_mode: b.only_if(b.is_set(number::SENSORLESS_ENABLE), Builder::sensorless_mode),
+            hall_mode: b.part(HALL, hall, Builder::hall_mode),
+            // Every state but the hall loop's uses its limits.
+            sensorless_mode: b.only_if(sensorless, Builder::sensorless_mode),
             speed_of_turns: b.ratio(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
             sample_settle: quotient(b.rate() * 65_536 * 3, 1_000_000).min(u16::MAX as i64) as u16,
         };
@@ -188,6 +189,17 @@ impl Builder<'_> {
             let raw = self.raw(parameter);
             self.misfit.get_or_insert(BuildError { parameter, raw, min, max });
         }
+    }
+
+    /// The modes that are enabled: open loop, sensorless and hall.
+    fn enables(&self) -> [bool; 3] {
+        [number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE]
+            .map(|mode| self.is_set(mode))
+    }
+
+    /// Coefficients of a part that this build may leave out.
+    fn part<T: Default>(&mut self, present: bool, enabled: bool, build: impl FnOnce(&mut Self) -> T) -> T {
+        if present { self.only_if(enabled, build) } else { T::default() }
     }
 
     /// Rules, or coefficients, that bind only where a mode is enabled that needs them.
@@ -290,15 +302,16 @@ impl Builder<'_> {
     /// Rules between parameters (PROTOCOL.md, section 5.4).
     fn check(&mut self) {
         let fastest = saturate64(quotient(self.rate() * 60, TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
-        let [open_loop, sensorless, hall] =
-            [number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE]
-                .map(|mode| self.is_set(mode));
+        let [open_loop, sensorless, hall] = self.enables();
+        for switch in LEFT_OUT {
+            self.within(*switch, 0, 0);
+        }
         self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
         self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
         self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);
-        self.only_if(hall, |b| b.check_hall(fastest));
-        self.only_if(sensorless, |b| b.check_sensorless(fastest));
-        self.only_if(open_loop, |b| b.within(number::OPEN_LOOP_SPEED, 0, fastest));
+        self.part(HALL, hall, |b| b.check_hall(fastest));
+        self.part(SENSORLESS, sensorless, |b| b.check_sensorless(fastest));
+        self.part(OPEN_LOOP, open_loop, |b| b.within(number::OPEN_LOOP_SPEED, 0, fastest));
         self.only_if(open_loop || sensorless, |b| {
             b.within(number::LOCK_DUTY, 0, b.raw(number::DUTY_MAX_SL));
             b.within(number::OPEN_LOOP_DUTY, 0, b.raw(number::DUTY_MAX_SL));
@@ -366,6 +379,10 @@ impl Builder<'_> {
             interpolation_min: floor.unsigned_abs(),
             captured: self.board.hall_capture,
         }
+    }
+
+    fn hall_calibration(&mut self, lock_level: i32) -> HallCalibrationCoefficients {
+        HallCalibrationCoefficients::new(self.turns(), lock_level)
     }
 
     fn open_loop(&mut self, lock_level: i32) -> OpenLoopCoefficients {

@@ -38,6 +38,7 @@ use super::guard::protection::{Evidence, Protection};
 use super::machine::Machine;
 use super::machine::event::{Event, HallCalibration, Health, SlowMeasurements};
 use super::machine::state::State;
+use super::modes::HALL;
 use super::ramp::Ramp;
 use super::rotor::hall::HallEvents;
 use super::rotor::hall_calibration::HallCalibrator;
@@ -151,7 +152,7 @@ impl Drive {
     fn source(&self) -> Source {
         match self.machine.state() {
             state if !state.is_driving() => Source::Both,
-            State::HallClosedLoop => Source::Halls,
+            State::HallClosedLoop if HALL => Source::Halls,
             _ if self.machine.is_sensorless() => Source::Terminals,
             _ if self.machine.calibrating() => Source::Halls,
             _ => Source::Field,
@@ -276,7 +277,7 @@ impl Drive {
         if concerns_faults || moved || self.watchful || self.stale {
             self.look_ahead();
         }
-        self.rotor.sensorless.note(&self.applied);
+        self.rotor.note(&self.applied);
         self.due = self.deadline();
         turned || moved || !self.applied.commutations.is_empty()
     }
@@ -284,13 +285,13 @@ impl Drive {
     /// The hall sensors, if they show anything or their deadline has come.
     #[inline]
     fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
-        let mute = self.watchful && self.rotor.hall.is_mute();
+        let mute = HALL && self.watchful && self.rotor.is_mute();
         if !(mute || !self.quiet.repeats(samples) || self.rotor.hall.due().is_due(self.now)) {
             return HallEvents::default();
         }
         self.quiet.hall = samples.hall;
         let events = self.rotor.sense_halls(&self.coefficients, self.now, samples);
-        if self.rotor.hall.is_mute() {
+        if self.rotor.is_mute() {
             // From here on the commutation counts the sectors, and it does so only where the pattern is
             // chosen.
             self.pattern_due = self.now;
@@ -311,7 +312,7 @@ impl Drive {
         self.watchful = self.open_phase.is_found()
             || self.rotor.fault().is_some()
             || ((halls || state == State::SensorlessClosedLoop) && self.rotor.may_stand())
-            || (halls && self.rotor.hall.is_mute());
+            || (halls && self.rotor.is_mute());
         let idles = self.machine.calibrating() || (halls && self.pattern.demand == Demand::Off);
         self.steers = state.is_driving() && idles;
         self.stale = false;
@@ -366,7 +367,7 @@ impl Drive {
         self.control.decide(&c.control, mode, demand, speed, &measured, &self.measurement);
         let output = self.control.output();
         self.command(output.duty, output.rectification);
-        self.rotor.sensorless.note(&self.applied);
+        self.rotor.note(&self.applied);
         let (duties, bus) = (self.duties_sampled_alike(), self.measurement.bus_voltage());
         let c = &self.coefficients;
         self.control.find_steady(&c.control, c.mode(self.machine.state()), demand, bus, duties);

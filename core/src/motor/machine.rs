@@ -7,11 +7,9 @@ pub mod state;
 use super::clock::Instant;
 use super::commutate::commutation::Direction;
 use super::machine::state::{Conditions, State, Transition, transition};
+use super::modes::{HALL_CALIBRATION, SENSORLESS};
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
-
-/// True if this build calibrates hall sensors.
-pub(crate) const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 
 /// Command of the master.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -180,7 +178,7 @@ impl Machine {
 
     /// Arms or withdraws the hall calibration; acts at the next start.
     pub fn handle_calibration(&mut self, run: bool) {
-        self.calibrate = run && CALIBRATES;
+        self.calibrate = run && HALL_CALIBRATION;
     }
 
     /// True in the ordinary tick of a state, in which no row of the table can hold; else
@@ -402,12 +400,12 @@ impl Machine {
 
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
-        CALIBRATES && self.mode.contains(Conditions::CALIBRATION)
+        HALL_CALIBRATION && self.mode.contains(Conditions::CALIBRATION)
     }
 
     /// This start is a sensorless one.
     pub const fn is_sensorless(&self) -> bool {
-        self.sensorless
+        SENSORLESS && self.sensorless
     }
 
     /// No valid command for the time-out.

@@ -20,6 +20,7 @@ pub mod clock;
 pub mod coefficients;
 pub mod gain;
 pub mod interval;
+pub mod modes;
 pub mod ramp;
 pub mod signal;
 

@@ -14,6 +14,7 @@ use super::coefficients::Coefficients;
 use super::commutate::commutation::Direction;
 use super::commutate::pwm::PwmCommand;
 use super::guard::fault::Cause;
+use super::modes::{HALL, HALL_CALIBRATION, OPEN_LOOP, SENSORLESS};
 use super::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
 use hall::{Hall, HallCoefficients, HallEvents};
@@ -94,22 +95,41 @@ impl Rotor {
         }
     }
 
-    /// The source of the rotor's position.
+    /// The source of the rotor's position: one that this build has.
     #[inline]
     pub const fn source(&self) -> Source {
-        self.source
+        match self.source {
+            Source::Terminals if !SENSORLESS => Source::Both,
+            Source::Halls if !HALL && !HALL_CALIBRATION => Source::Both,
+            Source::Field if !OPEN_LOOP => Source::Both,
+            source => source,
+        }
+    }
+
+    /// The hall sensors show no sector.
+    #[inline]
+    pub const fn is_mute(&self) -> bool {
+        !(HALL || HALL_CALIBRATION) || self.hall.is_mute()
     }
 
     /// The terminals show something of the rotor.
     #[inline]
     const fn listens(&self) -> bool {
-        matches!(self.source, Source::Both | Source::Terminals)
+        SENSORLESS && matches!(self.source, Source::Both | Source::Terminals)
     }
 
     /// The next tick looks at everything.
     pub const fn wake(&mut self, now: Instant) {
         self.hall.wake(now);
         self.sensorless.wake();
+    }
+
+    /// The command that is in force from now on.
+    #[inline]
+    pub fn note(&mut self, applied: &PwmCommand) {
+        if SENSORLESS {
+            self.sensorless.note(applied);
+        }
     }
 
     /// Keeps the distance of its instants below the clock's range while nothing else is asked of it.
@@ -137,6 +157,9 @@ impl Rotor {
     /// The hall sensors in one tick.
     #[inline]
     pub fn sense_halls(&mut self, c: &Coefficients, now: Instant, samples: &Samples) -> HallEvents {
+        if !(HALL || HALL_CALIBRATION) {
+            return HallEvents::default();
+        }
         let events = self.hall.step(&c.hall, now, samples);
         self.count_halls(events.sectors < 0);
         events
@@ -145,7 +168,7 @@ impl Rotor {
     /// The hall sensors may show another sector.
     #[inline]
     fn count_halls(&mut self, backward: bool) {
-        let shown = if self.hall.is_mute() { None } else { self.hall.sector() };
+        let shown = if self.is_mute() { None } else { self.hall.sector() };
         if let Some(sector) = shown
             && shown != self.turned.sector
         {
@@ -157,7 +180,7 @@ impl Rotor {
     /// is where it is.
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
-        if self.hall.is_mute()
+        if self.is_mute()
             && let Some(sector) = sector
             && !matches!(self.turned.sector, Some(counted) if counted == sector)
         {
@@ -176,13 +199,13 @@ impl Rotor {
     /// begins with none.
     #[inline]
     pub fn fault(&self) -> Option<Cause> {
-        if self.source == Source::Terminals { self.sensorless.fault() } else { None }
+        if self.source() == Source::Terminals { self.sensorless.fault() } else { None }
     }
 
     /// Once a millisecond: the level of a start without sensors and the field of open loop go on. `run`: the
     /// field goes to its set speed, not to standstill. True if either has changed.
     pub fn advance(&mut self, c: &Coefficients, now: Instant, torque: Direction, run: bool) -> bool {
-        match self.source {
+        match self.source() {
             Source::Both | Source::Halls => false,
             Source::Terminals => self.sensorless.advance(&c.sensorless, now),
             Source::Field => self.field.advance(&c.open_loop, now, torque, run),
@@ -192,7 +215,7 @@ impl Rotor {
     /// The rotor is not known to turn.
     #[inline]
     pub const fn may_stand(&self) -> bool {
-        match self.source {
+        match self.source() {
             Source::Halls => self.hall.stopped(),
             Source::Terminals => !self.sensorless.is_running(),
             Source::Both | Source::Field => true,
@@ -202,13 +225,17 @@ impl Rotor {
     /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that
     /// it turns.
     pub fn stands_still(&self, c: &Coefficients, now: Instant) -> bool {
-        let silent = self.hall.is_mute() || self.hall.stopped();
-        self.listens() && self.sensorless.observes_rest(&c.sensorless, now) && silent
+        let silent = self.is_mute() || self.hall.stopped();
+        let rests = match SENSORLESS {
+            true => self.listens() && self.sensorless.observes_rest(&c.sensorless, now),
+            false => self.source() == Source::Both && !self.is_mute(),
+        };
+        rests && silent
     }
 
     /// The bridge turns the rotor or holds it: it does not coast.
     pub const fn is_led(&self) -> bool {
-        match self.source {
+        match self.source() {
             Source::Both => false,
             Source::Terminals => self.sensorless.is_led(),
             Source::Halls | Source::Field => true,
@@ -218,7 +245,7 @@ impl Rotor {
     /// Speed by whom shows it, signed, raw I16F16 electrical rev/s.
     #[inline]
     pub fn speed(&self, c: &Coefficients, now: Instant) -> i32 {
-        match self.source {
+        match self.source() {
             Source::Terminals => self.speed_observed(c, now),
             Source::Both | Source::Halls | Source::Field => self.hall_speed(c, now).to_bits(),
         }
@@ -227,7 +254,7 @@ impl Rotor {
     /// Speed as of the last edge or crossing, 2^-32 turn a tick.
     #[inline]
     pub const fn turns(&self) -> i32 {
-        match self.source {
+        match self.source() {
             Source::Terminals => self.sensorless.estimator().speed_mean(),
             Source::Both | Source::Halls | Source::Field => self.hall.speed(),
         }
@@ -242,7 +269,7 @@ impl Rotor {
     /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by the terminals, or that of the
     /// open-loop field; 0 if neither is there.
     pub fn speed_without_halls(&self, c: &Coefficients, now: Instant, torque: Direction) -> i32 {
-        match self.source {
+        match self.source() {
             Source::Both | Source::Terminals => self.speed_observed(c, now),
             Source::Halls => 0,
             Source::Field => torque.signed(self.field.frequency()),
@@ -252,13 +279,13 @@ impl Rotor {
     /// Speed by the terminals, signed, raw I16F16 electrical rev/s.
     #[inline]
     fn speed_observed(&self, c: &Coefficients, now: Instant) -> i32 {
-        c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, now))
+        if SENSORLESS { c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, now)) } else { 0 }
     }
 
     /// Electrical angle at the boundary `now`, u32 turn.
     pub const fn angle(&self, now: Instant) -> u32 {
-        match self.source {
-            Source::Both if self.hall.is_mute() => self.sensorless.estimator().angle(now),
+        match self.source() {
+            Source::Both if self.is_mute() => self.sensorless.estimator().angle(now),
             Source::Both | Source::Halls => self.hall.angle(now),
             Source::Terminals => self.sensorless.estimator().angle(now),
             Source::Field => self.field.angle(now),

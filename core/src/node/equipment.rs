@@ -2,7 +2,7 @@
 
 use super::{LOGS, Node};
 use crate::dictionary::{Dictionary, number};
-use crate::motor::machine::CALIBRATES;
+use crate::motor::modes::LEFT_OUT;
 use crate::motor::sense::front_end::Equipment;
 
 /// Ranges of parameters, first to last, that need a part. Without the part each keeps its factory value,
@@ -37,12 +37,12 @@ impl Node {
     pub(super) fn lacks(&self, number: u16, raw: i32) -> bool {
         let lacks_part =
             NEEDS.iter().any(|(first, last, part)| (*first..=*last).contains(&number) && !self.has(*part));
-        (lacks_part || number == number::HALL_CALIBRATE && !CALIBRATES)
+        (lacks_part || LEFT_OUT.contains(&number))
             && Dictionary::row(number).is_some_and(|row| row.factory_raw() != raw)
     }
 
-    /// Resets the parameters of missing parts to their factory values: the set may have been stored on
-    /// another board.
+    /// Resets the parameters of missing parts and code to their factory values: the set may have been stored
+    /// on another board, or by another build.
     pub(super) fn drop_what_is_lacking(&mut self) {
         for (first, last, part) in NEEDS {
             if self.has(part) {
@@ -51,6 +51,9 @@ impl Node {
             for row in Dictionary::rows().filter(|row| (first..=last).contains(&row.number)) {
                 self.put(row.number, row.factory_raw());
             }
+        }
+        for number in LEFT_OUT {
+            self.put(*number, 0);
         }
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Something that replays recordings.
-pub trait Replay {
+pub trait Replay: Sync {
     /// Name of the target, the head of its column in the table.
     fn name(&self) -> &str;
     /// Replays each file, or its first `ticks`; returns an answer or the reason for a failure for each, in

@@ -3,6 +3,7 @@
 use super::answer::Answer;
 use super::difference::locate;
 use super::replayer::{Replay, stem};
+use crate::promises::map;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,13 +20,13 @@ pub struct Table {
 }
 
 impl Table {
-    /// Replays every file on every target.
+    /// Replays every file on every target, as many targets at once as the machine has processors.
     pub fn new(targets: &[&dyn Replay], files: &[PathBuf]) -> Self {
         let ask = |target: &&dyn Replay| {
             let begun = Instant::now();
             (target.replay(files, None), begun.elapsed().as_secs_f64())
         };
-        let (answers, seconds) = targets.iter().map(ask).unzip();
+        let (answers, seconds) = map(targets, ask).into_iter().unzip();
         Self {
             names: targets.iter().map(|target| target.name().to_owned()).collect(),
             stems: files.iter().map(|file| stem(file)).collect(),

@@ -47,12 +47,18 @@ const BOARD_LINTS: [&str; 14] = [
 /// Steps in their order.
 pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
-        Step::command(root, "shell", "cargo", &["test", "-p", "narx-firmware"]),
+        Step::command(root, "shell", "cargo", &["test", "--profile", "front", "-p", "narx-firmware"]),
         Step::new("emulator", firmware::emulator),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
         Step::command(root, "image lints", "cargo", &LINTS),
+        Step::new("fewer modes", move || fewer_modes(root)),
         Step::new("small board", move || small::regenerate(root, true)),
-        Step::command(root, "board, pure parts", "cargo", &["test", "-p", board::PACKAGE]),
+        Step::command(
+            root,
+            "board, pure parts",
+            "cargo",
+            &["test", "--profile", "front", "-p", board::PACKAGE],
+        ),
         Step::new("board", move || board::build(root).and_then(|_| board::regenerate(root, true))),
         Step::command(root, "board lints", "cargo", &BOARD_LINTS),
         Step::new("instructions", move || instructions::regenerate(root, true)),
@@ -62,6 +68,18 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("slots", move || slots::make(root)),
         Step::new("virtual drive", move || drive(root)),
     ]
+}
+
+/// Builds of the core that leave out control modes: their commands are the full build's.
+fn fewer_modes(root: &Path) -> Outcome {
+    let mut closing = Vec::new();
+    for modes in ["hall", "sensorless"] {
+        let mut cargo = Command::new("cargo");
+        cargo.args(["test", "--profile", "front", "-p", "narx-small", "--test", "modes"]);
+        cargo.args(["--no-default-features", "--features", modes]);
+        closing.extend(steps::run(cargo.current_dir(root))?);
+    }
+    Ok(closing)
 }
 
 /// Programs that replay recordings, once [`steps`] has built them.

@@ -25,7 +25,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
             "no_std",
             "cargo",
             &[
-                "build",
+                "check",
                 "-p",
                 "narx-core",
                 "-p",
@@ -38,7 +38,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
             ],
         ),
         // Alone, because together with other packages the core gets their features.
-        Step::command(root, "without features", "cargo", &["test", "-p", "narx-small"]),
+        Step::command(root, "without features", "cargo", &["test", "--profile", "front", "-p", "narx-small"]),
         Step::new("vectors", move || LAB.run(root, &["vectors", "--check"])),
         Step::new("documents", move || GENERATE.run(root, &["documents", "--check"])),
         Step::new("callgrind", move || callgrind::regenerate(root, true)),

@@ -6,6 +6,7 @@ use crate::motor::commutate::pwm::{Commutations, Rectification};
 use crate::motor::control::Demand;
 use crate::motor::machine::event::HallCalibration;
 use crate::motor::machine::state::State;
+use crate::motor::modes::HALL;
 use crate::motor::rotor::hall_calibration::HallCalibrator;
 use crate::motor::rotor::sensorless::Plan;
 use crate::motor::rotor::{Position, Source};
@@ -40,7 +41,7 @@ impl Drive {
             Source::Both => Pattern::OFF,
             Source::Terminals => return self.sensorless(),
             Source::Field => return self.open_loop(),
-            Source::Halls if !self.machine.calibrating() => return self.hall_closed_loop(),
+            Source::Halls if HALL && !self.machine.calibrating() => return self.hall_closed_loop(),
             Source::Halls if self.machine.state() == State::RotorLock => self.calibration_lock(),
             Source::Halls => self.hall_calibration(samples),
         };

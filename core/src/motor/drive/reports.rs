@@ -93,7 +93,7 @@ impl Drive {
     /// or follows it.
     fn loses_sight(&self) -> bool {
         // The position is counted from the end of Initialization.
-        let counts = self.machine.state() != State::Initialization && self.rotor.hall.is_mute();
+        let counts = self.machine.state() != State::Initialization && self.rotor.is_mute();
         counts && !self.rotor.is_led() && !self.rotor.stands_still(&self.coefficients, self.now)
     }
 

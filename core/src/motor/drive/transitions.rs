@@ -4,6 +4,7 @@ use super::Drive;
 use crate::motor::machine::event::HallCalibration;
 use crate::motor::machine::state::State;
 use crate::motor::machine::{Change, Inputs};
+use crate::motor::modes::{HALL, OPEN_LOOP, SENSORLESS};
 use crate::motor::ramp::Ramp;
 use crate::motor::sense::samples::Samples;
 
@@ -75,31 +76,31 @@ impl Drive {
                 self.control.start(&c.control, 0, bus);
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
-                } else {
+                } else if SENSORLESS {
                     self.rotor.sensorless.start(self.now, true);
                 }
             }
             State::OpenLoop if self.machine.is_sensorless() => {}
-            State::SensorlessClosedLoop if self.rotor.sensorless.is_running() => {
+            State::SensorlessClosedLoop if SENSORLESS && self.rotor.sensorless.is_running() => {
                 let brought_up = change.row.from == State::OpenLoop && !self.rotor.sensorless.is_caught();
                 let initial = c.control.volts(c.control.initial_level, bus);
                 if brought_up && initial > 0 {
                     self.control.hand_over(self.control.setpoint(), initial);
                 }
             }
-            State::SensorlessAutoRestart => {
+            State::SensorlessAutoRestart if SENSORLESS => {
                 self.rotor.sensorless.start(self.now, false);
                 self.control.start(&c.control, 0, bus);
             }
             State::OpenLoop => {
                 if self.machine.calibrating() {
                     self.calibrator.start(samples.hall);
-                } else {
+                } else if OPEN_LOOP {
                     self.rotor.field.start(&c.open_loop, self.now, 0, direction);
                     self.control.start(&c.control, 0, bus);
                 }
             }
-            State::HallClosedLoop => {
+            State::HallClosedLoop if HALL => {
                 let speed = self.rotor.hall_speed(c, self.now).to_bits().saturating_mul(direction.sign());
                 self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), bus);
             }
@@ -111,7 +112,9 @@ impl Drive {
             self.commutator.reset();
         }
         if !change.row.to.is_driving() {
-            self.rotor.sensorless.end_start(self.now);
+            if SENSORLESS {
+                self.rotor.sensorless.end_start(self.now);
+            }
             if self.calibration == HallCalibration::Running {
                 self.calibration = HallCalibration::Failed;
             }

@@ -1,0 +1,35 @@
+//! The control modes that this build has, by features of the same names. Parameters that enable another one
+//! are refused when coefficients are built, so no start leads into its states.
+
+use crate::dictionary::number;
+
+/// Closed loop with hall sensors.
+pub const HALL: bool = cfg!(feature = "hall");
+/// Closed loop by back-EMF.
+pub const SENSORLESS: bool = cfg!(feature = "sensorless");
+/// Open loop as a mode of its own.
+pub const OPEN_LOOP: bool = cfg!(feature = "open-loop");
+/// The service that finds the wiring of hall sensors.
+pub const HALL_CALIBRATION: bool = cfg!(feature = "hall-calibration");
+
+/// Parameters that turn on what this build leaves out: each keeps its factory value, 0.
+pub(crate) const LEFT_OUT: &[u16] = FOUND.0.split_at(FOUND.1).0;
+
+const FOUND: ([u16; 4], usize) = {
+    let parts = [
+        (number::OPEN_LOOP_ENABLE, OPEN_LOOP),
+        (number::SENSORLESS_ENABLE, SENSORLESS),
+        (number::HALL_ENABLE, HALL),
+        (number::HALL_CALIBRATE, HALL_CALIBRATION),
+    ];
+    let (mut found, mut count, mut index) = ([0; 4], 0, 0);
+    while index < parts.len() {
+        let (switch, is_built) = parts[index];
+        if !is_built {
+            found[count] = switch;
+            count += 1;
+        }
+        index += 1;
+    }
+    (found, count)
+};
