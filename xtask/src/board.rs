@@ -16,10 +16,10 @@ use std::{env, fs};
 /// Package of the board's images.
 pub(crate) const PACKAGE: &str = "narx-b-g431b-esc1";
 /// Profile with which they are built.
-pub(crate) const PROFILE: &str = "board";
+pub(crate) const PROFILE: &str = "small";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
-# The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
+# The images of the board B-G431B-ESC1 (profile `small`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
 # flash, with all that the board has use for; `application` the same in a slot, with programming over CAN and without scope and hall calibration, whose
 # flash counts the header of 512 bytes that signing puts before it; `boot` the bootloader; `bare` what the board takes beside the core: start-up, vector table, drivers, both
 # ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the flash up to the parameters, the slots of narx_boot::Map::B_G431B_ESC1, and

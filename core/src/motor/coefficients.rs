@@ -109,7 +109,7 @@ impl Coefficients {
         let coefficients = Self {
             measurement: b.measurement(),
             hall: b.part(HALL || HALL_CALIBRATION, true, Builder::hall),
-            hall_calibration: b.part(HALL_CALIBRATION, true, |b| b.hall_calibration(lock_level)),
+            hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_level),
             // The fault logic uses its scale of speed, too.
             open_loop: b.only_if(open_loop || sensorless, |b| b.open_loop(lock_level)),
             sensorless: b.part(SENSORLESS, sensorless, |b| b.sensorless(lock_level)),
@@ -379,10 +379,6 @@ impl Builder<'_> {
             interpolation_min: floor.unsigned_abs(),
             captured: self.board.hall_capture,
         }
-    }
-
-    fn hall_calibration(&mut self, lock_level: i32) -> HallCalibrationCoefficients {
-        HallCalibrationCoefficients::new(self.turns(), lock_level)
     }
 
     fn open_loop(&mut self, lock_level: i32) -> OpenLoopCoefficients {

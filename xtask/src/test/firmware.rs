@@ -12,26 +12,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// Lints of the images themselves: on this machine they are empty.
-const LINTS: [&str; 11] = [
-    "clippy",
-    "--quiet",
-    "--release",
-    "-p",
-    "narx-firmware",
-    "--bins",
-    "--target",
-    EMBEDDED,
-    "--",
-    "-D",
-    "warnings",
-];
+const LINTS: [&str; 10] =
+    ["clippy", "--quiet", "-p", "narx-firmware", "--bins", "--target", EMBEDDED, "--", "-D", "warnings"];
 
 /// Lints of the board on silicon.
-const BOARD_LINTS: [&str; 14] = [
+const BOARD_LINTS: [&str; 12] = [
     "clippy",
     "--quiet",
-    "--profile",
-    board::PROFILE,
     "-p",
     board::PACKAGE,
     "--bins",
