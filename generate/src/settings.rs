@@ -42,8 +42,9 @@ pub fn make(root: &Path) -> Result<Made, String> {
             _ => None,
         });
         let settings = settings.ok_or_else(|| format!("{path}: has no struct of settings"))?;
-        text += &render(block, settings, source.contains("Default"))
-            .map_err(|error| format!("{path}: {error}"))?;
+        // Derived or written, it is named in the file; of a block without, no settings reach C.
+        let defaults = source.contains("Default");
+        text += &render(block, settings, defaults).map_err(|error| format!("{path}: {error}"))?;
     }
     Ok(Made { summary: format!("settings of {} blocks", BLOCKS.len()), files: vec![(PATH.into(), text)] })
 }

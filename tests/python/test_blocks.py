@@ -133,7 +133,10 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
         (lambda: Hall(timeout=7.0), "timeout 7 s: must be from 0.001 to 6.553"),
         (lambda: Hall().run([1], [0.0]), "edge_time and edge_code: one without the other"),
         (lambda: Hall().run([1], [0.1, 0.0], [1, 2]), r"edge_time\[1\] 0 s: must be a finite number, not before"),
-        (lambda: ZeroCrossing(volts_per_code=0.1), "terminal 0.1 V/code: must be from 0.000001 to 0.0625"),
+        (lambda: ZeroCrossing(volts_per_code=0.1), "volts_per_code 0.1 V: must be from 0.000001 to 0.0625"),
+        (lambda: ZeroCrossing(blanking=-1.0), "blanking -1 s: must be from 0 to 0.1"),
+        (lambda: ZeroCrossing(timeout=4.0), "timeout 4 s: must be from 0.0001 to 3.2767"),
+        (lambda: Hall(offset=181.0), "offset 181 degrees: must be from -180 to 180"),
         (lambda: ZeroCrossing().run(np.zeros((2, 2)), [1.0, 1.0], [0, 0]), "phase_voltage of 2 columns: must have 3"),
         (lambda: ZeroCrossing().step([0.0, 0.0, np.nan], 1.0, 0), "phase_voltage NaN V: must be a finite number"),
     ],
@@ -141,3 +144,12 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
 def test_bad_settings_are_named(make: Any, message: str) -> None:
     with pytest.raises(narx.ParameterError, match=message):
         make()
+
+
+def test_settings_reach_the_ends_of_their_ranges() -> None:
+    for advance in (0.0, 30.0):
+        Commutation(advance=advance)
+    for offset, timeout in ((-180.0, 0.001), (180.0, 6.553)):
+        Hall(offset=offset, timeout=timeout)
+    ZeroCrossing(volts_per_code=1e-6, blanking=0.0, back_emf=0.0, timeout=0.0001)
+    ZeroCrossing(volts_per_code=0.0625, blanking=0.1, back_emf=1.0, timeout=3.2767)

@@ -218,6 +218,9 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("snapshots", move || {
             update(root, &["narx-tests", "--test", "protocol", "--test", "eddycan"])
         }),
+        Step::new("commands", move || {
+            update(root, &["narx-small", "--features", "hall-calibration", "--test", "modes"])
+        }),
         Step::new("tables of running", move || {
             update(root, &["narx-tests", "--test", "motor", "presets_with"])
         }),

@@ -34,63 +34,59 @@ const MODES: [(&str, &[&str]); 3] = [
     ("every_mode", &["hall", "sensorless", "open-loop"]),
 ];
 
-/// Cargo profiles of the two opt-levels.
-const LEVELS: [(&str, &str); 2] = [("z", "small"), ("3", "release")];
-
-/// Measures, and writes the golden file or, with `check`, compares the two main figures.
+/// Measures, and writes the golden file or, with `check`, compares some of its figures.
 ///
 /// # Errors
 /// Fails with the compiler's message, or if a figure differs from the golden one.
 pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let (least, every) = least_and_every(root)?;
-    let closing = format!("flash of the core on a small board: {least}, with every feature {every}");
     let path = root.join(GOLDEN);
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let failed = |error: std::io::Error| format!("{}: {error}", path.display());
     if check {
-        let golden: toml::Table = fs::read_to_string(&path)
-            .map_err(|error| failed(&error))?
-            .parse()
-            .map_err(|error| failed(&error))?;
-        let figure = |keys: &[&str]| {
-            let mut value = golden.get(*keys.first()?)?;
-            for key in &keys[1..] {
-                value = value.get(key)?;
-            }
-            value.as_integer()
-        };
-        let mut now = vec![(vec!["least"], least), (vec!["every"], every)];
-        for (name, modes) in MODES {
-            now.push((vec!["alone", EMBEDDED, name, "z"], alone(root, EMBEDDED, "small", modes)?));
-        }
-        for (keys, now) in now {
-            let before = figure(&keys).unwrap_or(-1);
-            if (now - before).abs() as f64 > sizes::TOLERANCE * before.abs() as f64 {
-                let name = keys.join(" ");
-                return Err(format!("small board, {name}: golden {before}, now {now}: cargo xtask sizes"));
-            }
-        }
+        compare(root, &fs::read_to_string(&path).map_err(failed)?, least, every)?;
     } else {
-        let mut text = format!("{HEAD}least = {least}\nevery = {every}\n\n[adds]\n");
-        for feature in FEATURES {
-            let _ = writeln!(text, "{feature} = {}", flash(root, &[feature])? - least);
-        }
-        for processor in Processor::ALL {
-            install::rust_target(processor.target())?;
-            let _ = writeln!(text, "\n[alone.{}]", processor.target());
-            for (name, modes) in MODES {
-                let bytes = |(level, profile)| {
-                    Ok(format!("{level} = {}", alone(root, processor.target(), profile, modes)?))
-                };
-                let levels: Result<Vec<_>, String> = LEVELS.into_iter().map(bytes).collect();
-                let _ = writeln!(text, "{name} = {{ {} }}", levels?.join(", "));
-            }
-        }
-        fs::write(&path, text).map_err(|error| failed(&error))?;
+        fs::write(&path, table(root, least, every)?).map_err(failed)?;
     }
-    Ok(vec![closing])
+    Ok(vec![format!("flash of the core on a small board: {least}, with every feature {every}")])
 }
 
-/// Flash without features, and with all of them, bytes.
+/// Compares `least`, `every` and, on a Cortex-M4F at opt-level z, `alone` with the golden figures.
+fn compare(root: &Path, golden: &str, least: i64, every: i64) -> Result<(), String> {
+    let golden: toml::Table = golden.parse().map_err(|error| format!("{GOLDEN}: {error}"))?;
+    let alone_before = golden.get("alone").and_then(|alone| alone.get(EMBEDDED));
+    let mut figures = vec![("least", golden.get("least"), least), ("every", golden.get("every"), every)];
+    for (name, modes) in MODES {
+        let before = alone_before.and_then(|table| table.get(name)?.get("z"));
+        figures.push((name, before, alone(root, EMBEDDED, "small", modes)?));
+    }
+    for (name, before, now) in figures {
+        let before = before.and_then(toml::Value::as_integer).unwrap_or(-1);
+        if (now - before).abs() as f64 > sizes::TOLERANCE * before.abs() as f64 {
+            return Err(format!("small board, {name}: golden {before}, now {now}: cargo xtask sizes"));
+        }
+    }
+    Ok(())
+}
+
+/// Measures the rest, and returns the text of the golden file.
+fn table(root: &Path, least: i64, every: i64) -> Result<String, String> {
+    let mut text = format!("{HEAD}least = {least}\nevery = {every}\n\n[adds]\n");
+    for feature in FEATURES {
+        let _ = writeln!(text, "{feature} = {}", flash(root, &[feature])? - least);
+    }
+    for processor in Processor::ALL {
+        let target = processor.target();
+        install::rust_target(target)?;
+        let _ = writeln!(text, "\n[alone.{target}]");
+        for (name, modes) in MODES {
+            let (z, three) = (alone(root, target, "small", modes)?, alone(root, target, "release", modes)?);
+            let _ = writeln!(text, "{name} = {{ z = {z}, 3 = {three} }}");
+        }
+    }
+    Ok(text)
+}
+
+/// Flash with the control modes alone, and with every feature, bytes.
 ///
 /// # Errors
 /// Fails with the compiler's message.

@@ -3,6 +3,7 @@
 
 use super::{Position, SettingError};
 use crate::motor::gain::Gain;
+use crate::motor::sense::front_end::Channel;
 use crate::shown::Shown;
 use core::fmt;
 
@@ -38,56 +39,61 @@ impl fmt::Display for NumberError<'_> {
 impl core::error::Error for NumberError<'_> {}
 
 impl From<SettingError> for NumberError<'static> {
-    /// The error with the name of the setting less its unit, and in that unit's base unit.
+    /// The error in the units of this module: seconds, and quantities as numbers.
     fn from(SettingError { setting, value, min, max, fraction_bits, unit }: SettingError) -> Self {
-        let (per_unit, unit) = match unit {
-            "0.01 degree" => (100.0, "degrees"),
-            "ms" => (1e3, "s"),
-            "us" => (1e6, "s"),
-            "uV/rpm" => (1e6, "V/rpm"),
-            "uV/code" => (1e6, "V/code"),
-            _ if fraction_bits == 16 => (ONE, unit),
-            _ => (1.0, unit),
+        let (name, per_unit, unit) = match setting.strip_suffix("_ms") {
+            Some(name) => (name, HALL_TIMEOUT.per_unit, HALL_TIMEOUT.unit),
+            None if fraction_bits == 16 => (setting, ONE, unit),
+            None => (setting, 1.0, unit),
         };
-        let endings = ["_cdeg", "_ms", "_us", "_uv_per_rpm", "_ticks"];
-        let name = endings.iter().find_map(|ending| setting.strip_suffix(ending)).unwrap_or(setting);
         let [value, min, max] = [value, min, max].map(|raw| raw as f64 / per_unit);
         Self { name, value, min, max, unit }
     }
 }
 
-/// A type of whole settings.
-pub trait Whole: TryFrom<i64> {
-    /// Smallest value.
-    const MIN: i64;
-    /// Largest value.
-    const MAX: i64;
-}
-
-macro_rules! whole {
-    ($($kind:ty)*) => { $(impl Whole for $kind {
-        const MIN: i64 = <$kind>::MIN as i64;
-        const MAX: i64 = <$kind>::MAX as i64;
-    })* };
-}
-
-whole!(u8 u16 u32 i32);
-
-/// Converts a value to the whole setting with `per_unit` of its steps in the unit, rounded to nearest.
-///
-/// # Errors
-/// Fails if the type of the setting cannot represent it; whether a block can be built from it is not checked.
-pub fn scaled<'a, T: Whole>(
-    name: &'a str,
-    value: f64,
+/// A number as a setting takes it: a whole number of small steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
     unit: &'static str,
+    /// Steps of the setting in the unit.
     per_unit: f64,
-) -> Result<T, NumberError<'a>> {
-    let error =
-        NumberError { name, value, min: T::MIN as f64 / per_unit, max: T::MAX as f64 / per_unit, unit };
-    let steps = libm::round(value * per_unit);
-    let fits = steps >= T::MIN as f64 && steps <= T::MAX as f64;
-    T::try_from(if fits { steps as i64 } else { i64::MAX }).map_err(|_| error)
+    min: f64,
+    max: f64,
+}
+
+/// [`CommutationSettings::advance_cdeg`](super::CommutationSettings::advance_cdeg).
+pub const ADVANCE: Scale = Scale { unit: "degrees", per_unit: 100.0, min: 0.0, max: 30.0 };
+/// [`HallSettings::offset_cdeg`](super::HallSettings::offset_cdeg).
+pub const HALL_OFFSET: Scale = Scale { unit: "degrees", per_unit: 100.0, min: -180.0, max: 180.0 };
+/// [`HallSettings::timeout_ms`](super::HallSettings::timeout_ms); the tick rate may leave less.
+pub const HALL_TIMEOUT: Scale = Scale { unit: "s", per_unit: 1e3, min: 1e-3, max: 65.535 };
+/// [`ZeroCrossingSettings::blanking_us`](super::ZeroCrossingSettings::blanking_us).
+pub const BLANKING: Scale = Scale { unit: "s", per_unit: 1e6, min: 0.0, max: 0.1 };
+/// [`ZeroCrossingSettings::back_emf_uv_per_rpm`](super::ZeroCrossingSettings::back_emf_uv_per_rpm).
+pub const BACK_EMF: Scale = Scale { unit: "V/rpm", per_unit: 1e6, min: 0.0, max: 1.0 };
+/// [`Channel::micro_per_code`] of a voltage.
+pub const VOLTS_PER_CODE: Scale =
+    Scale { unit: "V", per_unit: 1e6, min: 1e-6, max: Channel::MICRO_PER_CODE_MAX as f64 / 1e6 };
+
+impl Scale {
+    /// [`ZeroCrossingSettings::timeout_ticks`](super::ZeroCrossingSettings::timeout_ticks) at a tick rate in
+    /// hertz.
+    pub fn zero_crossing_timeout(tick_rate: f64) -> Self {
+        Self { unit: "s", per_unit: tick_rate, min: 1.0 / tick_rate, max: 32_767.0 / tick_rate }
+    }
+
+    /// Returns the setting for a value, rounded to nearest.
+    ///
+    /// # Errors
+    /// Fails if the value is not a finite number within the range.
+    pub fn setting<T: TryFrom<i64>>(self, name: &str, value: f64) -> Result<T, NumberError<'_>> {
+        let Self { unit, per_unit, min, max } = self;
+        let error = NumberError { name, value, min, max, unit };
+        if !(min..=max).contains(&value) {
+            return Err(error);
+        }
+        T::try_from(libm::round(value * per_unit) as i64).map_err(|_| error)
+    }
 }
 
 /// Converts a value to raw I16F16, rounded to nearest.
@@ -95,7 +101,7 @@ pub fn scaled<'a, T: Whole>(
 /// # Errors
 /// Fails if it is not a finite number within the range of I16F16.
 pub fn raw<'a>(name: &'a str, value: f64, unit: &'static str) -> Result<i32, NumberError<'a>> {
-    scaled(name, value, unit, ONE)
+    Scale { unit, per_unit: ONE, min: real(i32::MIN), max: real(i32::MAX) }.setting(name, value)
 }
 
 /// Converts a raw I16F16.

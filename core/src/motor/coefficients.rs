@@ -9,7 +9,7 @@ use super::guard::protection::{ProtectionCoefficients, Thresholds};
 use super::guard::rails::RailCoefficients;
 use super::machine::MachineCoefficients;
 use super::machine::state::State;
-use super::modes::{HALL, HALL_CALIBRATION, LEFT_OUT, OPEN_LOOP, SENSORLESS};
+use super::modes::{HALL, HALL_SENSORS, LEFT_OUT, OPEN_LOOP, SENSORLESS};
 use super::rotor::back_emf::BackEmfCoefficients;
 use super::rotor::hall::HallWiring;
 use super::rotor::hall::{HallCoefficients, sectors};
@@ -108,7 +108,7 @@ impl Coefficients {
         let [open_loop, sensorless, hall] = b.enables();
         let coefficients = Self {
             measurement: b.measurement(),
-            hall: b.part(HALL || HALL_CALIBRATION, true, Builder::hall),
+            hall: b.part(HALL_SENSORS, true, Builder::hall),
             hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_level),
             // The fault logic uses its scale of speed, too.
             open_loop: b.only_if(open_loop || sensorless, |b| b.open_loop(lock_level)),

@@ -11,6 +11,8 @@ pub const SENSORLESS: bool = cfg!(feature = "sensorless");
 pub const OPEN_LOOP: bool = cfg!(feature = "open-loop");
 /// The service that finds the wiring of hall sensors.
 pub const HALL_CALIBRATION: bool = cfg!(feature = "hall-calibration");
+/// Something reads the hall sensors.
+pub const HALL_SENSORS: bool = HALL || HALL_CALIBRATION;
 
 /// Parameters that turn on what this build leaves out: each keeps its factory value, 0.
 pub(crate) const LEFT_OUT: &[u16] = FOUND.0.split_at(FOUND.1).0;

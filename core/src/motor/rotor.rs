@@ -14,7 +14,7 @@ use super::coefficients::Coefficients;
 use super::commutate::commutation::Direction;
 use super::commutate::pwm::PwmCommand;
 use super::guard::fault::Cause;
-use super::modes::{HALL, HALL_CALIBRATION, OPEN_LOOP, SENSORLESS};
+use super::modes::{HALL_SENSORS, OPEN_LOOP, SENSORLESS};
 use super::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
 use hall::{Hall, HallCoefficients, HallEvents};
@@ -100,7 +100,7 @@ impl Rotor {
     pub const fn source(&self) -> Source {
         match self.source {
             Source::Terminals if !SENSORLESS => Source::Both,
-            Source::Halls if !HALL && !HALL_CALIBRATION => Source::Both,
+            Source::Halls if !HALL_SENSORS => Source::Both,
             Source::Field if !OPEN_LOOP => Source::Both,
             source => source,
         }
@@ -109,7 +109,7 @@ impl Rotor {
     /// The hall sensors show no sector.
     #[inline]
     pub const fn is_mute(&self) -> bool {
-        !(HALL || HALL_CALIBRATION) || self.hall.is_mute()
+        !HALL_SENSORS || self.hall.is_mute()
     }
 
     /// The terminals show something of the rotor.
@@ -157,7 +157,7 @@ impl Rotor {
     /// The hall sensors in one tick.
     #[inline]
     pub fn sense_halls(&mut self, c: &Coefficients, now: Instant, samples: &Samples) -> HallEvents {
-        if !(HALL || HALL_CALIBRATION) {
+        if !HALL_SENSORS {
             return HallEvents::default();
         }
         let events = self.hall.step(&c.hall, now, samples);

@@ -1,6 +1,5 @@
-//! The control tick alone, as firmware links it whose coefficients were made on a computer: samples in, PWM
-//! out, no parameters, no bus. It is measured (`cargo xtask sizes`), not run: inputs and outputs are black
-//! boxes.
+//! The control tick alone: samples in, PWM out; no parameters, no bus, and no code that builds coefficients.
+//! It is measured (`cargo xtask sizes`), not run: inputs and outputs are black boxes.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,6 +1,6 @@
 //! A build with fewer control modes: the PWM commands of what it can run are those of the full build, bit for
-//! bit, and the modes that it leaves out cannot be enabled. `cargo xtask test firmware` runs this for hall
-//! sensors alone, for sensorless alone and for all modes.
+//! bit, and the modes that it leaves out cannot be enabled. `cargo xtask test` runs this for hall sensors
+//! alone, for sensorless alone and for all modes.
 
 use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::dictionary::{Parameters, number};
@@ -71,12 +71,11 @@ fn commands_are_those_of_the_full_build() {
     }
     let lines: Vec<String> = digests.iter().map(|(name, digest)| format!("{name} {digest:016x}")).collect();
     if HALL && SENSORLESS && OPEN_LOOP && CALIBRATES && std::env::var_os("UPDATE").is_some() {
-        let head = "# CRC-64/XZ of the PWM commands of each vector. Made anew by `UPDATE=1 cargo test -p narx-small --features hall-calibration`.\n";
+        let head = "# CRC-64/XZ of the PWM commands of each vector. Made anew by `cargo xtask generate`.\n";
         fs::write(&golden, format!("{head}{}\n", lines.join("\n"))).unwrap();
     }
     let golden = fs::read_to_string(golden).unwrap();
     assert!(lines.len() >= 10, "{} vectors", lines.len());
-    println!("{} vectors", lines.len());
     for line in &lines {
         assert!(
             golden.lines().any(|known| known == line),

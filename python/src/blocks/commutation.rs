@@ -3,7 +3,7 @@
 use super::{Column, direction, member, numbers, same_length, step};
 use crate::error;
 use crate::state::words;
-use narx_core::blocks::engineering::{instant, position, scaled};
+use narx_core::blocks::engineering::{ADVANCE, instant, position};
 use narx_core::blocks::{Commutation as Core, CommutationSettings};
 use narx_core::motor::Step;
 use numpy::{IntoPyArray, PyArray1};
@@ -37,7 +37,7 @@ impl Commutation {
             return Err(error::parameter(format!("tick_rate {tick_rate} Hz: must be from 1 to 1000000")));
         }
         let core = numbers(|| {
-            let advance_cdeg = scaled("advance", advance, "degrees", 100.0)?;
+            let advance_cdeg = ADVANCE.setting("advance", advance)?;
             let earliest = instant("earliest", earliest)?;
             Ok(Core::build(&CommutationSettings { advance_cdeg, earliest })?)
         })?;

@@ -2,7 +2,7 @@
 
 use super::{Column, numbers, same_length};
 use crate::error;
-use narx_core::blocks::engineering::{degrees, instant, raw, real, scaled};
+use narx_core::blocks::engineering::{HALL_OFFSET, HALL_TIMEOUT, degrees, instant, raw, real};
 use narx_core::blocks::{Hall as Core, HallReading as Reading, HallSettings};
 use narx_core::motor::{Edge, EdgeSource};
 use narx_core::units::ElectricalSpeed;
@@ -68,8 +68,8 @@ impl Hall {
             let floor = raw("interpolation_min", interpolation_min, "rev/s")?;
             Ok(Core::build(&HallSettings {
                 tick_rate,
-                offset_cdeg: scaled("offset", offset, "degrees", 100.0)?,
-                timeout_ms: scaled("timeout", timeout, "s", 1000.0)?,
+                offset_cdeg: HALL_OFFSET.setting("offset", offset)?,
+                timeout_ms: HALL_TIMEOUT.setting("timeout", timeout)?,
                 interpolation_min: ElectricalSpeed::from_bits(floor),
                 order,
                 polarity,

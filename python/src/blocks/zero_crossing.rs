@@ -3,7 +3,9 @@
 use super::{Column, direction, numbers, same_length, step};
 use crate::error;
 use crate::state::words;
-use narx_core::blocks::engineering::{degrees, instant, real, scaled, turn};
+use narx_core::blocks::engineering::{
+    ADVANCE, BACK_EMF, BLANKING, Scale, VOLTS_PER_CODE, degrees, instant, real, turn,
+};
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
@@ -80,20 +82,20 @@ impl ZeroCrossing {
         timeout: f64,
     ) -> PyResult<Self> {
         numbers(|| {
-            let micro_per_code = scaled("volts_per_code", volts_per_code, "V", 1e6)?;
+            let micro_per_code = VOLTS_PER_CODE.setting("volts_per_code", volts_per_code)?;
             let channel = Channel { zero: 0, micro_per_code };
             let core = Core::build(&ZeroCrossingSettings {
                 tick_rate,
-                blanking_us: scaled("blanking", blanking, "s", 1e6)?,
-                back_emf_uv_per_rpm: scaled("back_emf", back_emf, "V/rpm", 1e6)?,
+                blanking_us: BLANKING.setting("blanking", blanking)?,
+                back_emf_uv_per_rpm: BACK_EMF.setting("back_emf", back_emf)?,
                 terminal: channel,
                 bus_voltage: channel,
                 commutation: CommutationSettings {
-                    advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+                    advance_cdeg: ADVANCE.setting("advance", advance)?,
                     earliest: instant("earliest", earliest)?,
                 },
                 pole_pairs,
-                timeout_ticks: scaled("timeout", timeout, "s", tick_rate.into())?,
+                timeout_ticks: Scale::zero_crossing_timeout(tick_rate.into()).setting("timeout", timeout)?,
                 noise_codes,
                 ..ZeroCrossingSettings::default()
             })?;

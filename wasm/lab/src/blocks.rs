@@ -1,7 +1,7 @@
 //! The drive's blocks, one by one. This file only converts numbers to fixed point and back.
 
 use js_sys::{Array, Object};
-use narx_core::blocks::engineering::{NumberError, degrees, gain, position, raw, real, scaled};
+use narx_core::blocks::engineering::{ADVANCE, HALL_OFFSET, NumberError, degrees, gain, position, raw, real};
 use narx_core::blocks::{
     Commutation as CommutationCore, CommutationSettings, Hall as HallCore, HallSettings, Pi as PiCore,
     PiSettings, Ramp as RampCore, RampSettings,
@@ -157,7 +157,7 @@ impl Hall {
         let polarity = options.whole("polarity", 0.0, 7.0)?.unwrap_or(0.0) as u8;
         let offset = options.number("offset")?.unwrap_or(0.0);
         numbers(|| {
-            let offset_cdeg = scaled("offset", offset, "degrees", 100.0)?;
+            let offset_cdeg = HALL_OFFSET.setting("offset", offset)?;
             let plain = HallSettings::default();
             let settings = HallSettings { tick_rate, order, polarity, offset_cdeg, captured: false, ..plain };
             Ok(Self(HallCore::build(&settings)?))
@@ -202,7 +202,7 @@ impl Commutation {
     ) -> Result<Commutation, JsValue> {
         let tick_rate = whole("tickRate", tick_rate.unwrap_or(10_000.0), 1.0, 1e6)? as u32;
         numbers(|| {
-            let advance_cdeg = scaled("advance", advance.unwrap_or(0.0), "degrees", 100.0)?;
+            let advance_cdeg = ADVANCE.setting("advance", advance.unwrap_or(0.0))?;
             // An eighth of a period: the time after which a drive has its answer.
             let core = CommutationCore::build(&CommutationSettings { advance_cdeg, earliest: 8192 })?;
             Ok(Self { core, tick_rate })

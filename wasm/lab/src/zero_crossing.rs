@@ -2,7 +2,9 @@
 
 use crate::blocks::{ONE, numbers};
 use js_sys::{Array, Object};
-use narx_core::blocks::engineering::{degrees, real, scaled, turn};
+use narx_core::blocks::engineering::{
+    ADVANCE, BACK_EMF, BLANKING, Scale, VOLTS_PER_CODE, degrees, real, turn,
+};
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
@@ -105,21 +107,21 @@ impl ZeroCrossing {
         let (advance, back_emf) = (number("advance", 0.0)?, number("backEmf", 0.0)?);
         let timeout = number("timeout", 0.05)?;
         numbers(|| {
-            let micro_per_code = scaled("voltsPerCode", volts_per_code, "V", 1e6)?;
+            let micro_per_code = VOLTS_PER_CODE.setting("voltsPerCode", volts_per_code)?;
             let channel = Channel { zero: 0, micro_per_code };
             let plain = ZeroCrossingSettings::default();
             let core = Core::build(&ZeroCrossingSettings {
                 tick_rate: tick_rate as u32,
-                blanking_us: scaled("blanking", blanking, "s", 1e6)?,
-                back_emf_uv_per_rpm: scaled("backEmf", back_emf, "V/rpm", 1e6)?,
+                blanking_us: BLANKING.setting("blanking", blanking)?,
+                back_emf_uv_per_rpm: BACK_EMF.setting("backEmf", back_emf)?,
                 terminal: channel,
                 bus_voltage: channel,
                 commutation: CommutationSettings {
-                    advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+                    advance_cdeg: ADVANCE.setting("advance", advance)?,
                     ..plain.commutation
                 },
                 pole_pairs,
-                timeout_ticks: scaled("timeout", timeout, "s", tick_rate)?,
+                timeout_ticks: Scale::zero_crossing_timeout(tick_rate).setting("timeout", timeout)?,
                 noise_codes,
                 ..plain
             })?;
