@@ -49,6 +49,8 @@ pub mod description;
 pub mod device;
 pub mod dictionary;
 pub mod eddycan;
+#[cfg(feature = "engineering")]
+pub mod initialiser;
 pub mod master;
 pub mod motor;
 pub mod node;

@@ -1,4 +1,5 @@
-# find_package(narx): the target narx::narx, header and static library.
+# find_package(narx): the target narx::narx, header and static library; for a microcontroller also
+# narx::small, the same in less flash and with slower ticks.
 #
 #   NARX_TARGET    selects the library by Rust's name of its target: a folder of lib/. Without it
 #                  CMAKE_SYSTEM_PROCESSOR selects: cortex-m0 and cortex-m0plus, cortex-m4 and cortex-m7 (with
@@ -32,6 +33,12 @@ if(NOT TARGET narx::narx)
     set_target_properties(narx::narx PROPERTIES
         IMPORTED_LOCATION "${_narx_library}"
         INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")
+    if(EXISTS "${_narx_prefix}/lib/${NARX_TARGET}/libnarx-small.a")
+        add_library(narx::small STATIC IMPORTED)
+        set_target_properties(narx::small PROPERTIES
+            IMPORTED_LOCATION "${_narx_prefix}/lib/${NARX_TARGET}/libnarx-small.a"
+            INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")
+    endif()
     # On a host the library contains Rust's standard library, but uses only its panic handler.
     if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
         set_property(TARGET narx::narx PROPERTY INTERFACE_LINK_LIBRARIES pthread dl m)

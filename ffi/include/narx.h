@@ -19,6 +19,8 @@
  *
  * Other parts
  *
+ *     narx_motor_*                                        the drive's control tick alone, without bus and
+ *                                                         parameters, for little flash
  *     narx_storage_*                                      a drive's flash: stored parameters and the log
  *     narx_pi_*, _ramp_*, _hall_*, _zero_crossing_*,      the drive's blocks one by one, for a driver of
  *     _commutation_*, _fault_*, _state_*                  your own
@@ -75,6 +77,7 @@
 #ifndef NARX_H
 #define NARX_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 // Memory Mapping Flag.
@@ -900,6 +903,10 @@ typedef union narx_fields_t {
 // 64-bit words of a master on any processor.
 #define NARX_MASTER_WORDS 552
 
+// Rises whenever coefficients of an earlier library would be wrong for this one: what `narx coefficients`
+// prints compares it.
+#define NARX_COEFFICIENTS_VERSION 10
+
 // Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2
 
@@ -922,7 +929,7 @@ typedef union narx_fields_t {
 #define NARX_LINE_DSI2 8
 
 // 64-bit words of a scope's memory on any processor.
-#define NARX_SCOPE_WORDS 1434
+#define NARX_SCOPE_WORDS 1438
 
 // 64-bit words of a narx_storage_t on any processor.
 #define NARX_STORAGE_WORDS 320
@@ -1031,6 +1038,8 @@ enum narx_status_t
     NARX_ERROR_NOT_CALIBRATED = -43,
     // The scope is not armed or forced: it is in another state, or the drive refuses it.
     NARX_ERROR_SCOPE_REFUSED = -44,
+    // No working controller can be built from the parameters; narx_parameter_error_t names one.
+    NARX_ERROR_PARAMETERS = -45,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1354,6 +1363,14 @@ typedef struct narx_setting_error_t {
     char unit[NARX_NAME_SIZE];
 } narx_setting_error_t;
 
+// Coefficients of the commutator.
+typedef struct narx_commutator_coefficients_t {
+    // First instant of a period at which a pattern can change, in 1/65 536.
+    uint16_t earliest;
+    // Timing advance, u32 turn (parameter 273).
+    uint32_t advance;
+} narx_commutator_coefficients_t;
+
 // One pattern change.
 typedef struct narx_commutation_t {
     // Instant of the change, in 1/65 536 of the period.
@@ -1405,6 +1422,50 @@ typedef struct narx_fault_t {
     // Private.
     uint64_t words[28];
 } narx_fault_t;
+
+// A limit with hysteresis, raw I16F16. `clear` lies on the safe side of `trip`.
+typedef struct narx_limit_t {
+    // Beyond this the fault qualifies.
+    int32_t trip;
+    // Back beyond this its cause is gone.
+    int32_t clear;
+    // Ticks in a row that the condition must hold, at least 1.
+    uint16_t ticks;
+} narx_limit_t;
+
+// Coefficients of the fault logic.
+typedef struct narx_protection_coefficients_t {
+    // Bus over-voltage.
+    struct narx_limit_t over_voltage;
+    // Bus voltage above which that qualifies at once.
+    int32_t over_voltage_at_once;
+    // Bus under-voltage.
+    struct narx_limit_t under_voltage;
+    // Mean DC-link current, magnitude.
+    struct narx_limit_t over_current;
+    // Temperature, shutdown.
+    struct narx_limit_t over_temperature;
+    // Temperature, warning.
+    struct narx_limit_t warning;
+    // Pressure reading, volts.
+    struct narx_limit_t over_pressure;
+    // Speed above 130 % of the mode's maximum, electrical rev/s: hall.
+    struct narx_limit_t overspeed_hall;
+    // Speed above 130 % of the maximum of sensorless and open loop.
+    struct narx_limit_t overspeed_sensorless;
+    // Which digital inputs shut down.
+    uint8_t shutdown_lines;
+    // Ticks a shutdown line must hold.
+    uint16_t shutdown_ticks;
+    // Bits that are critical (parameter 115).
+    uint32_t critical_mask;
+    // Ticks under torque at speed 0, which is itself parameter 113 without a hall edge (parameter 265).
+    uint32_t hall_stall_ticks;
+    // Below this bus voltage a diagnostic is shown, raw I16F16.
+    int32_t supply_low;
+    // Ticks in a millisecond: the leak of the plausibility counts.
+    uint16_t ticks_per_ms;
+} narx_protection_coefficients_t;
 
 // Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
 // describe a board at rest without a supply.
@@ -1499,6 +1560,36 @@ typedef struct narx_hall_t {
     uint64_t words[15];
 } narx_hall_t;
 
+// Coefficients of the hall station.
+typedef struct narx_hall_coefficients_t {
+    // Sector by raw code, 0xFF = invalid; built from the wiring.
+    uint8_t sectors[8];
+    // Angle by which the edges lie beyond 30 + 60 k degrees.
+    uint16_t offset;
+    // No edge for this long, in 1/65 536 tick, means standstill (parameter 113).
+    uint32_t timeout;
+    // Slowest speed that is interpolated between edges, in 2^-32 turn a tick.
+    uint32_t interpolation_min;
+    // Edges come time-stamped; the level alone is a late witness.
+    bool captured;
+} narx_hall_coefficients_t;
+
+// A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
+typedef struct narx_gain_t {
+    // 0 to 2^30 - 1, so that the product with any 32-bit value fits 64 bits.
+    int32_t mantissa;
+    // Fraction bits, 0 to 62.
+    uint32_t shift;
+} narx_gain_t;
+
+// Ready-made coefficients of a hall station: those that its settings build.
+typedef struct narx_hall_ready_t {
+    // The station's own.
+    struct narx_hall_coefficients_t station;
+    // Rev/s (raw I16F16) of 2^-32 turn a tick.
+    struct narx_gain_t speed_of_turns;
+} narx_hall_ready_t;
+
 // One time-stamped edge.
 typedef struct narx_edge_t {
     // Instant, in 1/65 536 of the period that has just ended.
@@ -1537,14 +1628,6 @@ typedef struct narx_pi_t {
     uint64_t words[5];
 } narx_pi_t;
 
-// A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
-typedef struct narx_gain_t {
-    // 0 to 2^30 - 1.
-    int32_t mantissa;
-    // Fraction bits, 0 to 62.
-    uint8_t shift;
-} narx_gain_t;
-
 // Settings for narx_pi_init. Errors and outputs are Q16 in units of the caller's choice.
 typedef struct narx_pi_settings_t {
     // Kp: output per error.
@@ -1559,6 +1642,24 @@ typedef struct narx_pi_settings_t {
     int32_t maximum;
 } narx_pi_settings_t;
 
+// Gains of a PI controller, built for one step rate.
+typedef struct narx_pi_gains_t {
+    // Output per error.
+    struct narx_gain_t proportional;
+    // Output per error and step: Ki x step time.
+    struct narx_gain_t integral;
+} narx_pi_gains_t;
+
+// Ready-made coefficients of a PI controller: those that its settings build.
+typedef struct narx_pi_ready_t {
+    // Gains of one step: Kp, and Ki x step time.
+    struct narx_pi_gains_t gains;
+    // Least output, raw I16F16.
+    int32_t minimum;
+    // Largest output, raw I16F16, not below the least.
+    int32_t maximum;
+} narx_pi_ready_t;
+
 // A ramp: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_ramp_t {
     // Private.
@@ -1572,6 +1673,12 @@ typedef struct narx_ramp_settings_t {
     // Steps a second, 1 to 1 000 000 Hz.
     uint32_t step_rate;
 } narx_ramp_settings_t;
+
+// Ready-made coefficients of a ramp: those that its settings build.
+typedef struct narx_ramp_ready_t {
+    // Largest change of one step, raw I16F16 with 16 extra bits.
+    int64_t rate;
+} narx_ramp_ready_t;
 
 // Settings for narx_state_init. Durations are 0 to 3 600 000 ms.
 typedef struct narx_state_settings_t {
@@ -1602,6 +1709,32 @@ typedef struct narx_state_machine_t {
     // Private.
     uint64_t words[11];
 } narx_state_machine_t;
+
+// Coefficients of the state machine. Durations are in ticks.
+typedef struct narx_machine_coefficients_t {
+    // Open loop may run the motor (Table 6).
+    bool open_loop_enable;
+    // The sensorless loop may run the motor (Table 6).
+    bool sensorless_enable;
+    // The hall loop may run the motor (Table 6), before the others.
+    bool hall_enable;
+    // Boot-up time (T01): 0.5 s.
+    uint32_t boot;
+    // Rotor lock (T23).
+    uint32_t lock;
+    // Rotor lock level (parameter 89).
+    int32_t lock_level;
+    // Its rise a millisecond with 16 extra bits: a quarter of the lock.
+    int64_t lock_rate;
+    // Open loop before sensorless (T34).
+    uint32_t open_loop;
+    // Auto-restart time (T71, T74): 2 s.
+    uint32_t auto_restart;
+    // Wait before a fault can be acknowledged (T61).
+    uint32_t fault_wait;
+    // Command time-out.
+    uint32_t command_timeout;
+} narx_machine_coefficients_t;
 
 // Inputs of the state machine in one tick; a flag is set if it is not 0.
 typedef struct narx_state_inputs_t {
@@ -1676,8 +1809,56 @@ typedef struct narx_zero_crossing_settings_t {
 // between calls.
 typedef struct narx_zero_crossing_t {
     // Private.
-    uint64_t words[37];
+    uint64_t words[38];
 } narx_zero_crossing_t;
+
+// One converter channel: `value = (code - zero) x gain + offset`, as one multiplication and one sum.
+typedef struct narx_channel_scale_t {
+    // Raw I16F16 per code, with 16 extra bits.
+    uint32_t gain;
+    // Offset that is added to every value, raw I16F16; `bias` contains it.
+    int32_t offset;
+    // Value of code 0, raw I16F16 with 32 extra bits.
+    int64_t bias;
+} narx_channel_scale_t;
+
+// Coefficients of the back-EMF station.
+typedef struct narx_back_emf_coefficients_t {
+    // Scale of the phase terminals.
+    struct narx_channel_scale_t terminal;
+    // Smallest signal of one sample that stands out of the noise, converter codes.
+    int32_t noise;
+    // Terminals below this code show no back-EMF: less than the noise.
+    uint16_t silence;
+    // Least blanking after a commutation, 1/65 536 tick (parameter 86).
+    uint32_t discard;
+    // First instant of a period at which a pattern changes, 1/65 536.
+    uint16_t earliest;
+    // Back-EMF comparators with capture take the converter's place.
+    bool comparator;
+    // Delay of a rising crossing, 1/65 536 tick (parameter 100).
+    int32_t delay_rising;
+    // Delay of a falling crossing, 1/65 536 tick (parameters 100 and 286).
+    int32_t delay_falling;
+    // Volts of back-EMF per electrical rev/s (parameter 267), 0 unknown.
+    struct narx_gain_t back_emf;
+    // Back-EMF per 2^-32 turn a tick.
+    struct narx_gain_t emf_of_turns;
+} narx_back_emf_coefficients_t;
+
+// Ready-made coefficients of a detector: those that its settings build.
+typedef struct narx_zero_crossing_ready_t {
+    // The station's own.
+    struct narx_back_emf_coefficients_t back_emf;
+    // Of the commutation that follows a crossing.
+    struct narx_commutator_coefficients_t commutator;
+    // Scale of the bus voltage.
+    struct narx_channel_scale_t bus_voltage;
+    // Rev/s (raw I16F16) of 2^-32 turn a tick.
+    struct narx_gain_t speed_of_turns;
+    // No crossing for this long is standstill, 1/65 536 tick.
+    uint32_t timeout;
+} narx_zero_crossing_ready_t;
 
 // All inputs of the tick `tick`, measured in period `tick` at the instant that the previous command
 // requested.
@@ -1820,7 +2001,7 @@ typedef struct narx_pwm_command_t {
     narx_sample_mode_t sample_mode;
     // Freewheeling in period k + 1.
     narx_rectification_t rectification;
-    // The pattern to apply at once, when narx_drive_step returns. Coast turns all six switches off.
+    // The pattern to apply at once, when the call that writes it returns. Coast turns all six switches off.
     narx_step_t step;
     // Number of valid entries of `commutations`.
     uint8_t commutation_count;
@@ -2144,6 +2325,259 @@ typedef struct narx_answer_t {
     int32_t value;
 } narx_answer_t;
 
+// A motor's control: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_motor_t {
+    // Private.
+    uint64_t words[186];
+} narx_motor_t;
+
+// Scales of the fast channels.
+typedef struct narx_measurement_scales_t {
+    // Bus voltage (parameter 14 is its offset).
+    struct narx_channel_scale_t bus_voltage;
+    // DC-link current (parameter 13 is its offset).
+    struct narx_channel_scale_t bus_current;
+    // Phase terminal voltages.
+    struct narx_channel_scale_t phase_voltage;
+} narx_measurement_scales_t;
+
+// Coefficients of the calibration.
+typedef struct narx_hall_calibration_coefficients_t {
+    // Speed of the field, 2^-32 turn a tick: half a revolution a second.
+    uint32_t speed;
+    // The rotor lock level (parameter 89).
+    int32_t level;
+} narx_hall_calibration_coefficients_t;
+
+// Coefficients of the open-loop generator.
+typedef struct narx_open_loop_coefficients_t {
+    // Speed at the end of the ramp, electrical rev/s, raw I16F16 (parameter 88).
+    int32_t speed;
+    // Rise a millisecond, raw I16F16 with 16 extra bits (parameters 88 and 109).
+    int64_t rate;
+    // Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as
+    // `initial_level` of the control's coefficients.
+    int32_t level_start;
+    // Level at the end of the ramp (parameter 87).
+    int32_t level;
+    // `(level - level_start) / speed` as mantissa x 2^-shift.
+    struct narx_gain_t slope;
+    // Turns of 2^-32 a tick per raw rev/s.
+    struct narx_gain_t turns;
+} narx_open_loop_coefficients_t;
+
+// Coefficients of the rails.
+typedef struct narx_rail_coefficients_t {
+    // Volts per raw ampere (parameter 268), 0 unknown.
+    struct narx_gain_t resistance;
+    // Volts that turning the current over in six commutations a revolution costs, per raw ampere and raw
+    // rev/s: 3 L (parameter 283) with 16 extra bits, 0 unknown.
+    struct narx_gain_t commutation;
+    // Volts per electrical rev/s (parameter 267), 0 unknown.
+    struct narx_gain_t back_emf;
+    // Milliseconds in which the bucket loses one episode.
+    uint32_t leak;
+} narx_rail_coefficients_t;
+
+// Coefficients of the sensorless station. Times are in ticks, levels as `initial_level` of the control's
+// coefficients.
+typedef struct narx_sensorless_coefficients_t {
+    // The floating phase.
+    struct narx_back_emf_coefficients_t back_emf;
+    // Desynchronisation and stall.
+    struct narx_rail_coefficients_t rails;
+    // No crossing for this long is speed 0 (parameter 85), 1/65 536 tick.
+    uint32_t timeout;
+    // Silent terminals for this long mean a rotor at rest.
+    uint32_t rest;
+    // Two locks together.
+    uint32_t align;
+    // Rise of the lock level a millisecond, 16 extra bits.
+    int64_t align_rate;
+    // Level of the locks (parameter 89).
+    int32_t align_level;
+    // Rise of the kick a millisecond, 16 extra bits.
+    int64_t kick_rate;
+    // Level at which the kick ends (parameter 87).
+    int32_t kick_level;
+    // Without any crossing at the full level the field steps on after this.
+    uint32_t kick_patience;
+    // A kick that has not led to closed loop within this is given up.
+    uint32_t kick_limit;
+    // Largest back-EMF that is braked by a short circuit, 2^-32 turn a tick: what the phase current limit
+    // allows.
+    int32_t brake_max;
+} narx_sensorless_coefficients_t;
+
+// Coefficients of the current limits, raw I16F16.
+typedef struct narx_limit_coefficients_t {
+    // Limit at the beginning of a start (parameter 105), A.
+    int32_t soft_start;
+    // Limit afterwards (parameter 106), at most the 7 A input rating of Table 1, A.
+    int32_t maximum;
+    // Slope from one to the other (parameter 96), A per millisecond with 16 extra bits.
+    int64_t rate;
+    // Estimated mean phase current (parameter 269), A.
+    int32_t phase_current_max;
+    // From this temperature the limits fall (parameter 121), degrees C.
+    int32_t derating_start;
+    // Per degree above it: 1 / (shutdown - warning).
+    struct narx_gain_t derating;
+    // Resistance of the two switches that conduct, raw I16F16 ohm.
+    int32_t bridge;
+} narx_limit_coefficients_t;
+
+// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
+typedef struct narx_control_coefficients_t {
+    // Ticks in a millisecond.
+    uint16_t ticks_per_ms;
+    // Bus current limiter, per tick.
+    struct narx_pi_gains_t current;
+    // Current ratings.
+    struct narx_limit_coefficients_t limits;
+    // Speed set-point ramp, electrical rev/s per millisecond with 16 extra bits (parameter 99).
+    int64_t speed_rate;
+    // Largest change of the duty in a tick (parameter 271).
+    uint16_t slew;
+    // Shortest on-time (parameter 272).
+    uint16_t duty_min;
+    // Duty that dead time takes away under synchronous rectification.
+    uint16_t dead_time;
+    // Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
+    int32_t bus_guard;
+    // First level in closed loop (parameter 84). A level is raw I16F16: volts, or a share of the bus voltage
+    // (`levels_of_bus`).
+    int32_t initial_level;
+    // Levels are shares of the live bus voltage: there is no nominal supply (parameter 266 is 0).
+    bool levels_of_bus;
+    // Back-EMF per electrical rev/s (parameter 267); 0 unknown.
+    struct narx_gain_t back_emf;
+} narx_control_coefficients_t;
+
+// Coefficients of one closed-loop mode. Speeds are raw I16F16 electrical rev/s.
+typedef struct narx_mode_coefficients_t {
+    // Speed loop, volts per electrical rev/s, per millisecond.
+    struct narx_pi_gains_t speed;
+    // Smallest set-point.
+    int32_t speed_min;
+    // Largest set-point.
+    int32_t speed_max;
+    // Largest duty, raw U1F15.
+    uint16_t duty_max;
+    // The speed is known from crossings alone, once in a sector.
+    bool sparse;
+} narx_mode_coefficients_t;
+
+// Everything configurable that the tick needs, in its own units.
+typedef struct narx_coefficients_t {
+    // Converter scales.
+    struct narx_measurement_scales_t measurement;
+    // Hall sensors.
+    struct narx_hall_coefficients_t hall;
+    // Hall calibration.
+    struct narx_hall_calibration_coefficients_t hall_calibration;
+    // Open loop.
+    struct narx_open_loop_coefficients_t open_loop;
+    // Back-EMF estimator and start sequence.
+    struct narx_sensorless_coefficients_t sensorless;
+    // Fault logic.
+    struct narx_protection_coefficients_t protection;
+    // State machine.
+    struct narx_machine_coefficients_t machine;
+    // Loops and limits.
+    struct narx_control_coefficients_t control;
+    // Commutation.
+    struct narx_commutator_coefficients_t commutator;
+    // Hall closed loop.
+    struct narx_mode_coefficients_t hall_mode;
+    // Sensorless closed loop.
+    struct narx_mode_coefficients_t sensorless_mode;
+    // Rev/s (raw I16F16) of 2^-32 turn a tick.
+    struct narx_gain_t speed_of_turns;
+    // Settling after the end of the on-time before an off-time sample, in 1/65 536 of a period.
+    uint16_t sample_settle;
+} narx_coefficients_t;
+
+// Parameter that does not fit the others.
+typedef struct narx_parameter_error_t {
+    // Smallest raw value that fits the others.
+    int64_t min;
+    // Largest raw value that fits the others.
+    int64_t max;
+    // Its raw value.
+    int32_t value;
+    // Its number: a NARX_PARAMETER_*.
+    uint16_t number;
+} narx_parameter_error_t;
+
+// Report of a motor's control as of the last step. Speeds are electrical, Q16 rev/s, positive forward.
+typedef struct narx_motor_report_t {
+    // Tick of this report.
+    uint64_t tick;
+    // Faults that are present or latched: FAULT_WORD of PROTOCOL.md.
+    uint32_t faults;
+    // Latched critical faults.
+    uint32_t critical;
+    // Set-point after its limits and its ramp.
+    int32_t setpoint;
+    // Speed by the hall sensors.
+    int32_t speed_hall;
+    // Speed by the back-EMF; in open loop that of the field.
+    int32_t speed_sensorless;
+    // Sectors turned since power-up: 6 an electrical revolution.
+    int32_t sectors;
+    // Bus voltage, Q16 V.
+    int32_t bus_voltage;
+    // Mean bus current, Q16 A.
+    int32_t bus_current;
+    // Electrical input power, Q16 W.
+    int32_t power;
+    // Terminal voltages, Q16 V.
+    int32_t phase_voltage[3];
+    // Zero crossings accepted since power-up, wrapping.
+    uint32_t crossings;
+    // Extended code of the first critical fault (PROTOCOL.md), 0 without one.
+    uint16_t extended_code;
+    // Electrical angle that the commutation uses, 65 536 a turn.
+    uint16_t angle;
+    // Applied duty, U1F15.
+    uint16_t duty;
+    // Times that the hall sensors lost their code, saturating.
+    uint16_t hall_invalid;
+    // Hall changes between sectors that are not neighbours, saturating.
+    uint16_t hall_jumps;
+    // Distance of the last accepted crossing behind its prediction, 65 536 an electrical turn.
+    int16_t crossing_margin;
+    // Result of the hall calibration, if `calibration` is 2: angle by which the edges lie beyond their
+    // place, 65 536 a turn.
+    int16_t hall_offset;
+    // Permutation of the lines (parameter 262), if `calibration` is 2.
+    uint8_t hall_order;
+    // Lines to invert (parameter 263), if `calibration` is 2.
+    uint8_t hall_polarity;
+    // Hall calibration: 0 none, 1 running, 2 done, 3 failed.
+    uint8_t calibration;
+    // State.
+    narx_state_t state;
+    // Commanded direction: 0 forward, 1 reverse.
+    uint8_t direction;
+    // Reason why the last start was refused: 0 it was not, 1 no mode is enabled, 4 Standby was not requested
+    // since the last stop.
+    uint8_t refusal;
+    // The limit that bounds the duty: the numbers of parameter 280.
+    uint8_t limiter;
+    // Outcome of the last step's zero crossing: the numbers of parameter 287.
+    uint8_t crossing;
+    // 1: no command for the time-out.
+    uint8_t command_expired;
+    // 1: the bus is below 18 V, which is no fault.
+    uint8_t supply_low;
+    // 1: the rotor is known to stand.
+    uint8_t standstill;
+    // 1: nothing shows the rotor now; it may turn while `sectors` stands.
+    uint8_t unseen;
+} narx_motor_report_t;
+
 // Result of a replay.
 typedef struct narx_outcome_t {
     // Number of ticks that were run.
@@ -2190,6 +2624,9 @@ typedef struct narx_flash_t {
     int32_t (*erase)(void *context, uint32_t from, uint32_t to);
 } narx_flash_t;
 
+// The pattern that rotor lock holds before a calibration starts: settles at 0 degrees.
+#define HallCalibrator_LOCK narx_step_t_LockBC
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -2211,6 +2648,13 @@ narx_status_t narx_commutation_init(struct narx_commutator_t *commutation,
                                     size_t size,
                                     const struct narx_commutation_settings_t *settings,
                                     struct narx_setting_error_t *error);
+
+// Makes a commutation that knows no rotor position yet from ready-made coefficients: what narx has computed
+// on the desk from such settings as narx_commutation_init takes. They are not checked. It takes a few
+// hundred bytes of flash where narx_commutation_init takes thousands.
+narx_status_t narx_commutation_init_ready(struct narx_commutator_t *commutation,
+                                          size_t size,
+                                          const struct narx_commutator_coefficients_t *ready);
 
 // Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`
 // (2^-32 turn a tick, signed), both at the period's boundary, with torque in direction `towards` (0 forward,
@@ -2234,6 +2678,13 @@ narx_status_t narx_fault_init(struct narx_fault_t *fault,
                               size_t size,
                               const struct narx_fault_settings_t *settings,
                               struct narx_setting_error_t *error);
+
+// Makes a fault logic without a fault from ready-made coefficients: what narx has computed on the desk from
+// such settings as narx_fault_init takes. They are not checked. It takes a few hundred bytes of flash where
+// narx_fault_init takes thousands.
+narx_status_t narx_fault_init_ready(struct narx_fault_t *fault,
+                                    size_t size,
+                                    const struct narx_protection_coefficients_t *ready);
 
 // Runs one tick. A critical fault latches.
 narx_status_t narx_fault_step(struct narx_fault_t *fault,
@@ -2262,6 +2713,13 @@ narx_status_t narx_hall_init(struct narx_hall_t *hall,
                              const struct narx_hall_settings_t *settings,
                              struct narx_setting_error_t *error);
 
+// Makes a station that has not seen the sensors yet from ready-made coefficients: what narx has computed on
+// the desk from such settings as narx_hall_init takes. They are not checked. It takes a few hundred bytes of
+// flash where narx_hall_init takes thousands.
+narx_status_t narx_hall_init_ready(struct narx_hall_t *hall,
+                                   size_t size,
+                                   const struct narx_hall_ready_t *ready);
+
 // Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period
 // that has ended, oldest first, at most NARX_EDGES_MAX; `edge` may be NULL if `count` is 0.
 narx_status_t narx_hall_step(struct narx_hall_t *hall,
@@ -2276,6 +2734,13 @@ narx_status_t narx_pi_init(struct narx_pi_t *pi,
                            size_t size,
                            const struct narx_pi_settings_t *settings,
                            struct narx_setting_error_t *error);
+
+// Makes a controller at rest from ready-made coefficients: what narx has computed on the desk from such
+// settings as narx_pi_init takes. They are not checked. It takes a few hundred bytes of flash where
+// narx_pi_init takes thousands.
+narx_status_t narx_pi_init_ready(struct narx_pi_t *pi,
+                                 size_t size,
+                                 const struct narx_pi_ready_t *ready);
 
 // Writes the output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The
 // integrator never holds more than brings the output to a limit.
@@ -2298,6 +2763,13 @@ narx_status_t narx_ramp_init(struct narx_ramp_t *ramp,
                              const struct narx_ramp_settings_t *settings,
                              struct narx_setting_error_t *error);
 
+// Makes a ramp at 0 from ready-made coefficients: what narx has computed on the desk from such settings as
+// narx_ramp_init takes. They are not checked. It takes a few hundred bytes of flash where narx_ramp_init
+// takes thousands.
+narx_status_t narx_ramp_init_ready(struct narx_ramp_t *ramp,
+                                   size_t size,
+                                   const struct narx_ramp_ready_t *ready);
+
 // Moves one step towards `target` and writes the new value to `value`, both Q16.
 narx_status_t narx_ramp_step(struct narx_ramp_t *ramp, int32_t target, int32_t *value);
 
@@ -2313,6 +2785,13 @@ narx_status_t narx_state_init(struct narx_state_machine_t *machine,
                               size_t size,
                               const struct narx_state_settings_t *settings,
                               struct narx_setting_error_t *error);
+
+// Makes a machine in Initialization from ready-made coefficients: what narx has computed on the desk from
+// such settings as narx_state_init takes. They are not checked. It takes a few hundred bytes of flash where
+// narx_state_init takes thousands.
+narx_status_t narx_state_init_ready(struct narx_state_machine_t *machine,
+                                    size_t size,
+                                    const struct narx_machine_coefficients_t *ready);
 
 // Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,
 // Q16 rev/s. It restarts the command time-out. Standby acknowledges a fault; Drive and Reverse start the
@@ -2341,6 +2820,13 @@ narx_status_t narx_zero_crossing_init(struct narx_zero_crossing_t *detector,
                                       size_t size,
                                       const struct narx_zero_crossing_settings_t *settings,
                                       struct narx_setting_error_t *error);
+
+// Makes a detector that has not seen the motor yet from ready-made coefficients: what narx has computed on
+// the desk from such settings as narx_zero_crossing_init takes. They are not checked. It takes a few hundred
+// bytes of flash where narx_zero_crossing_init takes thousands.
+narx_status_t narx_zero_crossing_init_ready(struct narx_zero_crossing_t *detector,
+                                            size_t size,
+                                            const struct narx_zero_crossing_ready_t *ready);
 
 // Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1
 // reverse).
@@ -2779,6 +3265,67 @@ narx_status_t narx_message_decode(const struct narx_frame_t *frame,
 // state.
 narx_status_t narx_message_encode(const struct narx_message_t *message,
                                   struct narx_frame_t *frame);
+
+// Makes a control at power-up, in Initialization, in `size` bytes of memory. `coefficients` are those that
+// `narx coefficients` has printed, or narx_coefficients_build has built: they are copied.
+narx_status_t narx_motor_init(struct narx_motor_t *motor,
+                              size_t size,
+                              const struct narx_coefficients_t *coefficients);
+
+// Runs one control tick: takes the samples of this period and writes the command to apply. Call it from the
+// control interrupt, once a PWM period.
+//
+// On an error the command, if `command` is a valid pointer, is coast at duty 0: a caller that ignores the
+// status still turns the bridge off.
+narx_status_t narx_motor_step(struct narx_motor_t *motor,
+                              const struct narx_samples_t *samples,
+                              struct narx_pwm_command_t *command);
+
+// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the magnitude of the
+// electrical set-point, Q16 rev/s: rpm x pole pairs / 60 x 65 536. It restarts the command time-out, so
+// repeat it. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was requested
+// before.
+narx_status_t narx_motor_handle_command(struct narx_motor_t *motor,
+                                        uint8_t mode,
+                                        int32_t speed);
+
+// Takes a set-point alone, Q16 rev/s as in narx_motor_handle_command: the request stays. It restarts the command
+// time-out, too.
+narx_status_t narx_motor_handle_set_point(struct narx_motor_t *motor,
+                                          int32_t speed);
+
+// Takes a temperature, Q16 degrees Celsius, and a pressure reading, Q16 V, about every 10 ms. Their limits
+// act from the first reading on.
+narx_status_t narx_motor_handle_inputs(struct narx_motor_t *motor,
+                                       int32_t temperature,
+                                       int32_t pressure);
+
+// Takes other coefficients, in any state: they hold from the next tick on.
+narx_status_t narx_motor_change(struct narx_motor_t *motor,
+                                const struct narx_coefficients_t *coefficients);
+
+// The next start finds the wiring of the hall sensors instead of running the motor (`run` is not 0), or runs
+// it again (0). narx_motor_report_t shows the result.
+narx_status_t narx_motor_calibrate_hall(struct narx_motor_t *motor,
+                                        uint8_t run);
+
+// Builds coefficients from parameters: the factory's, and `count` others, raw with the units and scales of
+// PROTOCOL.md. `stored` may be NULL if `count` is 0, `board` for the default board. Parameters that do not
+// fit each other give NARX_ERROR_PARAMETERS; `error`, which may be NULL, then names one. Not for an
+// interrupt: it divides. Any context.
+//
+// It takes about 10 KB of flash. Where the parameters are known when the program is built, let
+// `narx coefficients` print what this would build.
+narx_status_t narx_coefficients_build(struct narx_coefficients_t *coefficients,
+                                      const struct narx_board_t *board,
+                                      const struct narx_stored_t *stored,
+                                      size_t count,
+                                      struct narx_parameter_error_t *error);
+
+// Writes the report of the last step if one is due, or returns NARX_NOTHING: one is due every millisecond,
+// and when the state or the faults change.
+narx_status_t narx_motor_poll_report(struct narx_motor_t *motor,
+                                     struct narx_motor_report_t *report);
 
 // Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length`
 // bytes.

@@ -9,7 +9,7 @@ use crate::board::narx_board_t;
 use crate::frame::narx_frame_t;
 use crate::handle;
 use crate::pointer;
-use crate::pwm::narx_pwm_command_t;
+use crate::pwm::{self, narx_pwm_command_t};
 use crate::samples::narx_samples_t;
 use crate::status::narx_status_t::{self, *};
 use core::mem::{align_of, size_of};
@@ -17,7 +17,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use narx_core::bus::Frame;
 use narx_core::device::{Background, ControlTick, Queues};
 use narx_core::dictionary::{ParameterError, Parameters};
-use narx_core::motor::{Board, Coefficients, PwmCommand, Samples};
+use narx_core::motor::{Board, Coefficients};
 use narx_core::node::{Identity, Node};
 
 /// 64-bit words of a drive on any processor.
@@ -141,20 +141,7 @@ pub unsafe extern "C" fn narx_drive_step(
     command: *mut narx_pwm_command_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        pointer::check(command)?;
-        let samples = Samples::try_from(pointer::read(samples)?)?;
-        Ok(tick(drive)?.step(&samples))
-    };
-    let (answer, status) = match run() {
-        Ok(answer) => (answer, NARX_OK),
-        Err(error) => (PwmCommand::default(), error),
-    };
-    // SAFETY: the rule for pointers at the head of narx.h.
-    match unsafe { pointer::write(command, answer.into()) } {
-        Ok(()) => status,
-        Err(error) => error,
-    }
+    unsafe { pwm::step(samples, command, || tick(drive), ControlTick::step) }
 }
 
 /// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or

@@ -9,6 +9,7 @@
 //!   pwm         outputs of the tick               narx_pwm_command_t
 //!   frame       CAN frames                        narx_frame_t
 //!   device      the drive in the caller's memory  narx_drive_*
+//!   motor       the control tick alone               narx_motor_*, narx_coefficients_build
 //!   inputs      its slow inputs and outputs       narx_drive_*
 //!   scope       the memory of its virtual scope   narx_scope_*
 //!   storage     its flash                         narx_storage_*
@@ -36,6 +37,7 @@ mod handle;
 mod inputs;
 mod master;
 mod message;
+mod motor;
 mod pointer;
 mod pwm;
 mod recording;
@@ -63,6 +65,7 @@ pub use inputs::{
 };
 pub use master::*;
 pub use message::{NARX_FIELDS_MAX, narx_fields_t, narx_message_decode, narx_message_encode, narx_message_t};
+pub use motor::*;
 pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};
 pub use recording::{
     NARX_OUTPUTS_TEXT_SIZE, narx_outcome_t, narx_replay, narx_replay_transcript, narx_replay_until,

@@ -1,6 +1,9 @@
 //! Command of the control tick.
 
-use narx_core::motor::{Commutation, PwmCommand, Rectification, SampleMode, Step};
+use crate::pointer;
+use crate::samples::narx_samples_t;
+use crate::status::narx_status_t::{self, *};
+use narx_core::motor::{Commutation, PwmCommand, Rectification, SampleMode, Samples, Step};
 
 /// Largest number of pattern changes in one period.
 pub const NARX_COMMUTATIONS_MAX: usize = 2;
@@ -29,7 +32,7 @@ pub struct narx_pwm_command_t {
     pub sample_mode: SampleMode,
     /// Freewheeling in period k + 1.
     pub rectification: Rectification,
-    /// The pattern to apply at once, when narx_drive_step returns. Coast turns all six switches off.
+    /// The pattern to apply at once, when the call that writes it returns. Coast turns all six switches off.
     pub step: Step,
     /// Number of valid entries of `commutations`.
     pub commutation_count: u8,
@@ -56,5 +59,32 @@ impl From<PwmCommand> for narx_pwm_command_t {
             converted.commutation_count += 1;
         }
         converted
+    }
+}
+
+/// Runs a control tick of `object`. On an error the command is coast at duty 0.
+///
+/// # Safety
+/// The pointers are as [`pointer::read`] and [`pointer::write`] ask, and `object` may be called.
+pub(crate) unsafe fn step<'a, T: 'a>(
+    samples: *const narx_samples_t,
+    command: *mut narx_pwm_command_t,
+    object: impl FnOnce() -> Result<&'a mut T, narx_status_t>,
+    step: impl FnOnce(&mut T, &Samples) -> PwmCommand,
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    let run = || unsafe {
+        pointer::check(command)?;
+        let samples = Samples::try_from(pointer::read(samples)?)?;
+        Ok(step(object()?, &samples))
+    };
+    let (answer, status) = match run() {
+        Ok(answer) => (answer, NARX_OK),
+        Err(error) => (PwmCommand::default(), error),
+    };
+    // SAFETY: the caller's promise.
+    match unsafe { pointer::write(command, answer.into()) } {
+        Ok(()) => status,
+        Err(error) => error,
     }
 }

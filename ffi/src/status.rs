@@ -101,6 +101,8 @@ pub enum narx_status_t {
     NARX_ERROR_NOT_CALIBRATED = -43,
     /// The scope is not armed or forced: it is in another state, or the drive refuses it.
     NARX_ERROR_SCOPE_REFUSED = -44,
+    /// No working controller can be built from the parameters; narx_parameter_error_t names one.
+    NARX_ERROR_PARAMETERS = -45,
 }
 
 use narx_status_t::*;
@@ -123,7 +125,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 46] = [
+const ALL: [narx_status_t; 47] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -170,6 +172,7 @@ const ALL: [narx_status_t; 46] = [
     NARX_ERROR_TIMED_OUT,
     NARX_ERROR_NOT_CALIBRATED,
     NARX_ERROR_SCOPE_REFUSED,
+    NARX_ERROR_PARAMETERS,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -219,6 +222,7 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_TIMED_OUT => c"the job has taken too long",
         NARX_ERROR_NOT_CALIBRATED => c"the hall calibration has not found the sensors",
         NARX_ERROR_SCOPE_REFUSED => c"the scope is not armed or forced",
+        NARX_ERROR_PARAMETERS => c"no working controller can be built from the parameters",
         NARX_ERROR_SPEED => c"the set-point is beyond the drive's limits",
     }
 }

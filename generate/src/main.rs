@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use narx_generate::{
-    Make, coverage, dbc, eds, effects, evidence, header, pictures, samples, settings, settle,
+    Make, coefficients, coverage, dbc, eds, effects, evidence, header, pictures, samples, settings, settle,
 };
 use narx_report::root;
 use narx_report::steps::{Step, finish, run_all};
@@ -50,12 +50,13 @@ enum Job {
 }
 
 /// Documents in their order.
-const DOCUMENTS: [(&str, Make); 7] = [
+const DOCUMENTS: [(&str, Make); 8] = [
     ("coverage", coverage::make),
     ("CAN database", dbc::make),
     ("EDS", eds::make),
     ("settings of the blocks", settings::make),
     ("C header", header::make),
+    ("C coefficients", coefficients::make),
     ("pictures", pictures::make),
     ("evidence", evidence::make),
 ];

@@ -17,13 +17,14 @@ const BLOCKS: [&str; 7] = ["commutation", "fault", "hall", "pi", "ramp", "state"
 const HEAD: &str =
     "//! Settings of the blocks, made from the structs of `narx_core::blocks` by `cargo xtask header`.
 
-use super::gain::{gain, narx_gain_t};
+use super::gain::gain;
 use crate::board::narx_channel_t;
 use narx_core::blocks::{
     CommutationSettings, FaultSettings, HallSettings, PiSettings, RampSettings, SettingError, StateSettings,
     ZeroCrossingSettings,
 };
 use narx_core::motor::Lines;
+use narx_core::motor::gain::Gain;
 use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
 ";
 
@@ -126,7 +127,7 @@ fn counterpart(field: &Field) -> Result<Counterpart, String> {
             ("i32", quantity, format!("{of}.to_bits()"), format!("{kind}::from_bits({of})"))
         }
         "Channel" => ("narx_channel_t", same, format!("{of}.into()"), format!("{of}.into()")),
-        "Gain" => ("narx_gain_t", same, String::new(), format!("gain(\"{name}\", {of})?")),
+        "Gain" => ("Gain", same, String::new(), format!("gain(\"{name}\", {of})?")),
         "CommutationSettings" => {
             let back = format!("(&{of}).try_into()?");
             ("narx_commutation_settings_t", same, format!("{of}.into()"), back)

@@ -219,7 +219,7 @@ pub(crate) fn config(
 }
 
 /// Returns parameters by number; a key that is a string is a name of the dictionary.
-fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
+pub(crate) fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
     parameters
         .items()?
         .iter()

@@ -4,6 +4,7 @@
 mod bench;
 mod blocks;
 mod can_log;
+mod coefficients;
 mod description;
 mod error;
 mod experiment;
@@ -32,6 +33,8 @@ mod _core {
     use crate::blocks::{Commutation, Hall, HallReading, Pi, Ramp, ZeroCrossing, ZeroCrossingReading};
     #[pymodule_export]
     use crate::can_log::{LogReader, diagnostic_bits, fault_bits, frame_flags, frame_kinds};
+    #[pymodule_export]
+    use crate::coefficients::coefficients;
     #[pymodule_export]
     use crate::description::Description;
     #[pymodule_export]

@@ -309,7 +309,7 @@ fn fault_qualifies_latches_and_is_acknowledged() {
 fn fault_follows_the_state_machine() {
     let built = || Fault::build(&FaultSettings { hall_stall_ms: 10, ..FaultSettings::default() }).unwrap();
     let change = |name, timed_out| {
-        let row = TRANSITIONS.iter().find(|row| row.name == name).unwrap();
+        let row = TRANSITIONS.iter().find(|row| row.to_string() == name).unwrap();
         Change { row, timed_out }
     };
     let failed = Health { self_test_failed: true, ..Health::default() };
@@ -373,7 +373,7 @@ fn state_machine_goes_through_its_table() {
             if let Some(request) = request.filter(|_| tick % 1000 == 0) {
                 machine.handle_command(Command { request, speed: ElectricalSpeed::ZERO });
             }
-            rows.extend(machine.step(&well).map(|change| change.row.name));
+            rows.extend(machine.step(&well).map(|change| change.row.to_string()));
         }
         assert_eq!(machine.state(), state, "after {request:?} for {time} ms");
     }

@@ -91,7 +91,7 @@ fn hall_commutation_and_state() {
                 calibrated: false,
                 parameters_fit: true,
             };
-            rows.extend(machine.step(&inputs).map(|change| change.row.name));
+            rows.extend(machine.step(&inputs).map(|change| change.row.to_string()));
             assert_eq!(machine.state(), told.state);
             if told.state != before {
                 commutation.reset();

@@ -61,7 +61,7 @@ fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
                 let found = if is_asked { sleeps.step(&c, now, &inputs) } else { None };
                 let expected = looks.advance(&c, now, &inputs);
                 let [found, expected] = [found, expected]
-                    .map(|change| change.map(|change| (change.row.name, change.row.to, change.timed_out)));
+                    .map(|change| change.map(|change| (change.row.from, change.row.to, change.timed_out)));
                 assert_eq!(found, expected, "{before:?} {inputs:?}, tick {tick}");
                 let of = |machine: &Machine| {
                     (machine.state(), machine.age(now), machine.command_expired(&c, now), machine.refusal())

@@ -4,6 +4,7 @@
 //! ```text
 //!  narx-VERSION/   include/narx.h
 //!                  lib/TARGET/libnarx.a        for each target
+//!                  lib/TARGET/libnarx-small.a  for each processor: the same bits in less flash
 //!                  lib/cmake/narx/             find_package(narx)
 //!                  share/narx/examples/*.c     a piece of a hand-written driver each
 //!                  README.md CHANGELOG.md PROTOCOL.md LICENSE-*
@@ -11,7 +12,7 @@
 
 use crate::cross;
 use crate::install;
-use crate::library::{self, NARX};
+use crate::library::{self, NARX, SMALL};
 use narx_report::steps::{self, Outcome};
 use narx_report::target_directory;
 use std::fs;
@@ -30,7 +31,12 @@ pub(crate) fn command(root: &Path) -> ExitCode {
 /// Builds the libraries, lays the release out and packs it; returns the closing line.
 fn pack(root: &Path) -> Outcome {
     install::debian(&cross::PACKAGES)?;
-    library::ALL.iter().try_for_each(|processor| NARX.build(root, *processor).map(drop))?;
+    for processor in library::ALL {
+        NARX.build(root, processor)?;
+        if processor.is_some() {
+            SMALL.build(root, processor)?;
+        }
+    }
     let folder = lay_out(root)?;
     let name = name();
     let file = target_directory(root).join(format!("{name}.tar.gz"));
@@ -56,10 +62,13 @@ pub(crate) fn lay_out(root: &Path) -> Result<PathBuf, String> {
     for processor in library::ALL {
         let (target, strip) =
             processor.map_or((HOST, "strip"), |processor| (processor.target(), cross::STRIP));
-        let file = folder.join("lib").join(target).join("libnarx.a");
-        copy(&NARX.path(root, processor), &file)?;
-        // Debug information holds the folders of the sources and is of no use to a user.
-        steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
+        let files = [(NARX, "libnarx.a"), (SMALL, "libnarx-small.a")];
+        for (library, name) in files.into_iter().take(if processor.is_some() { 2 } else { 1 }) {
+            let file = folder.join("lib").join(target).join(name);
+            copy(&library.path(root, processor), &file)?;
+            // Debug information holds the folders of the sources and is of no use to a user.
+            steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
+        }
     }
     copy(&root.join("ffi/cmake/narxConfig.cmake"), &package.join("narxConfig.cmake"))?;
     let version = read(&root.join("ffi/cmake/narxConfigVersion.cmake"))?.replace("@VERSION@", VERSION);

@@ -1,9 +1,9 @@
-//! Flash and RAM of the C library, whole and of each part alone, and the cost of a step: golden figures in
-//! `tests/golden/ffi_sizes.toml`.
+//! Flash and RAM of the C library, fast and small, whole and of each part alone, and the cost of a step:
+//! golden figures in `tests/golden/ffi_sizes.toml`.
 
 use crate::cross::{self, Processor};
 use crate::install;
-use crate::library::NARX;
+use crate::library::{Library, NARX, SMALL};
 use crate::qemu::{self, Machine};
 use narx_report::steps::Outcome;
 use narx_report::steps::output;
@@ -20,14 +20,17 @@ const FEW: f64 = 3.0;
 const GOLDEN: &str = "tests/golden/ffi_sizes.toml";
 const HEAD: &str = "\
 # The C library on a microcontroller. Flash of a program that uses every call of one part and nothing else, bytes (code and constants, after the
-# linker has left out what nobody calls; memcpy and 64-bit division included), and RAM of one object. `whole` is every call of narx.h; it has
-# no objects of its own. Instructions of one step as C calls it, mean and worst of the 2000 in tests/c/cost.c, without wait states; a drive is in
-# Initialization and Standby there: tests/golden/instructions.toml has the others. Code for the Cortex-M0 (thumbv6m) is counted on a Cortex-M4, too.
-# Made anew by `cargo xtask sizes`, compared within 1 % by `cargo xtask test ffi`.
+# linker has left out what nobody calls; memcpy, memset and 64-bit division of the C library included), and RAM of one object. `ready` is the flash
+# without the calls that check settings and compute coefficients: with ready-made ones. `whole` is every call of narx.h; it has no objects of its
+# own. Instructions of one step as C calls it, mean and worst of the 2000 in tests/c/cost.c, without wait states; a drive is in Initialization and
+# Standby there: tests/golden/instructions.toml has the others. Code for the Cortex-M0 (thumbv6m) is counted on a Cortex-M4, too. The first tables
+# are of the fast library (opt-level 3), `small` of the small one (z). `alone` is a whole program that turns a motor by the control tick alone
+# (tests/c/alone.c, its coefficients included) with a library of these control modes and nothing else.
+# Made anew by `cargo xtask sizes`; the fast tables, and those of the Cortex-M4F at z, are compared within 1 % by `cargo xtask test ffi`.
 ";
 
 /// Parts of the interface: name, prefixes of its calls, and its object.
-const PARTS: [(&str, &[&str], Option<&str>); 16] = [
+const PARTS: [(&str, &[&str], Option<&str>); 17] = [
     ("formats", &["narx_q1", "narx_iq24", "narx_milli"], None),
     ("pi", &["narx_pi_"], Some("narx_pi_t")),
     ("ramp", &["narx_ramp_"], Some("narx_ramp_t")),
@@ -40,10 +43,18 @@ const PARTS: [(&str, &[&str], Option<&str>); 16] = [
     ("master", &["narx_master_"], Some("narx_master_t")),
     ("tx_driver", &["narx_tx_driver_"], Some("narx_tx_driver_t")),
     ("tx_master", &["narx_tx_master_"], Some("narx_tx_master_t")),
+    ("motor", &["narx_motor_", "narx_coefficients_"], Some("narx_motor_t")),
     ("drive", &["narx_drive_", "narx_board_", "narx_scope_"], Some("narx_drive_t")),
     ("storage", &["narx_storage_"], Some("narx_storage_t")),
     ("replay", &["narx_replay"], None),
     ("whole", &["narx_"], None),
+];
+
+/// Control modes of a library for the control tick alone.
+const MODES: [(&str, &[&str]); 3] = [
+    ("hall", &["hall"]),
+    ("sensorless", &["sensorless"]),
+    ("every_mode", &["hall", "sensorless", "open-loop"]),
 ];
 
 /// Builds the libraries, then measures them.
@@ -55,7 +66,8 @@ pub(crate) fn generate(root: &Path, check: bool) -> Outcome {
     regenerate(root, check)
 }
 
-/// Measures libraries that are built, and writes the golden file or, with `check`, compares it.
+/// Measures fast libraries that are built, and small ones; writes the golden file or, with `check`, compares
+/// it and measures less.
 ///
 /// # Errors
 /// Fails if a figure differs from the golden one.
@@ -64,74 +76,119 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     let mut text = String::from(HEAD);
     let mut closing = Vec::new();
     for processor in Processor::ALL {
-        let (table, line) = table(root, processor)?;
-        let _ = write!(text, "\n[{}]\n{table}", processor.target());
-        closing.push(line);
+        let target = processor.target();
+        let costs = costs(root, processor)?;
+        let (table, line) = table(root, NARX, processor, &costs)?;
+        let _ = write!(text, "\n[{target}]\n{table}");
+        closing.push(format!("{target}: flash{line}"));
+    }
+    for processor in Processor::ALL {
+        let target = processor.target();
+        if check && processor != Processor::CortexM4F {
+            continue;
+        }
+        SMALL.build(root, Some(processor))?;
+        let (table, line) = table(root, SMALL, processor, &[])?;
+        let _ = write!(text, "\n[{target}.small]\n{table}\n[{target}.alone]\n");
+        for (name, modes) in MODES {
+            let z = alone(root, SMALL, processor, modes)?;
+            let three = if check { None } else { Some(alone(root, NARX, processor, modes)?) };
+            let three = three.map_or(String::new(), |bytes| format!(", 3 = {bytes}"));
+            let _ = writeln!(text, "{name} = {{ z = {z}{three} }}");
+        }
+        // Libraries of some modes have taken the place of the whole ones.
+        SMALL.build(root, Some(processor))?;
+        if !check {
+            NARX.build(root, Some(processor))?;
+        }
+        closing.push(format!("{target}, small: flash{line}"));
     }
     let path = root.join(GOLDEN);
     if !check {
         fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         return Ok(closing);
     }
-    let wrong = misses(&read(&path)?, &text);
+    let golden = read(&path)?.parse().map_err(|error| format!("{GOLDEN}: {error}"))?;
+    let now = text.parse().map_err(|error| format!("{GOLDEN}: {error}"))?;
+    let mut wrong = Vec::new();
+    misses("", &golden, &now, &mut wrong);
     if wrong.is_empty() { Ok(closing) } else { Err(wrong.join("\n")) }
 }
 
-/// Builds the library and measures its parts; returns a table of each.
+/// Builds the fast library and measures its parts; returns a table of each.
 ///
 /// # Errors
 /// Fails with the compiler's message.
 pub(crate) fn measured(root: &Path, processor: Processor) -> Result<toml::Table, String> {
     NARX.build(root, Some(processor))?;
-    let (text, _) = table(root, processor)?;
+    let (text, _) = table(root, NARX, processor, &costs(root, processor)?)?;
     text.parse().map_err(|error| format!("{GOLDEN}: {error}"))
 }
 
-/// Returns a line for each part of a library that is built, and a closing line.
-fn table(root: &Path, processor: Processor) -> Result<(String, String), String> {
-    let directory = target_directory(root).join("c");
-    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+/// Returns a line for each part of a library that is built, and the end of a closing line.
+fn table(
+    root: &Path,
+    library: Library,
+    processor: Processor,
+    costs: &[(String, u64, u64)],
+) -> Result<(String, String), String> {
     let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
-    let (mut text, mut line) = (String::new(), format!("{}: flash", processor.target()));
-    let costs = costs(root, processor)?;
+    let (mut text, mut line) = (String::new(), String::new());
     for (name, prefixes, object) in PARTS {
-        let flash = flash(root, processor, calls.iter().filter(|call| begins(call, prefixes)))?;
+        let part: Vec<_> = calls.iter().filter(|call| begins(call, prefixes)).collect();
+        let flash = flash(root, library, processor, &part)?;
         let ram = object.map_or(Ok(0), |object| ram(root, processor, object))?;
-        let _ = write!(text, "{name} = {{ flash = {flash}, ram = {ram}");
+        let _ = write!(text, "{name} = {{ flash = {flash}, ");
+        let needs_settings = |call: &str| call.ends_with("_init") || call.ends_with("_settings_default");
+        if part.iter().any(|call| call.ends_with("_init_ready")) && name != "whole" {
+            let ready: Vec<_> = part.iter().copied().filter(|call| !needs_settings(call)).collect();
+            let _ = write!(text, "ready = {}, ", self::flash(root, library, processor, &ready)?);
+        }
+        let _ = write!(text, "ram = {ram}");
         if let Some((_, mean, worst)) = costs.iter().find(|(part, ..)| part == name) {
             let _ = write!(text, ", mean = {mean}, worst = {worst}");
         }
         let _ = writeln!(text, " }}");
-        if ["pi", "hall", "zero_crossing", "drive", "whole"].contains(&name) {
+        if ["pi", "hall", "zero_crossing", "motor", "drive", "whole"].contains(&name) {
             let _ = write!(line, ", {name} {flash}");
         }
     }
-    Ok((text, line.replacen("flash,", "flash:", 1)))
+    Ok((text, line.replacen(',', ":", 1)))
 }
 
-/// Differences from the golden file.
-fn misses(golden: &str, now: &str) -> Vec<String> {
-    let parse = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
-    let (golden, now) = (parse(golden), parse(now));
-    let figure = |table: &toml::Table, target: &str, part: &str, kind: &str| {
-        let figure = table.get(target)?.get(part)?.get(kind)?.as_integer()?;
-        Some(figure as f64)
-    };
-    let mut wrong = Vec::new();
-    for target in Processor::ALL.map(Processor::target) {
-        for (part, ..) in PARTS {
-            for (kind, few) in [("flash", 0.0), ("ram", 0.0), ("mean", FEW), ("worst", FEW)] {
-                let before = figure(&golden, target, part, kind).unwrap_or(-1.0);
-                let after = figure(&now, target, part, kind).unwrap_or(-1.0);
-                if (after - before).abs() > few.max(TOLERANCE * before.abs()) {
-                    wrong.push(format!(
-                        "{target} {part} {kind}: golden {before}, now {after}: cargo xtask sizes"
-                    ));
-                }
-            }
+/// Flash of the program of the control tick alone, with a library of these control modes, bytes.
+fn alone(root: &Path, library: Library, processor: Processor, modes: &[&str]) -> Result<u64, String> {
+    library.build_part(root, processor, modes)?;
+    let program = target_directory(root).join("c/alone.elf");
+    let mut compiler = Command::new(cross::COMPILER);
+    compiler.args(processor.options()).args(["-std=c99", "-Os"]).args(cross::STRICT).args(BARE);
+    compiler.arg("-Wl,--entry=main").arg("-I").arg(root.join("ffi/include"));
+    compiler.arg(root.join("tests/c/alone.c")).arg(library.path(root, Some(processor)));
+    output(compiler.arg("-o").arg(&program))?;
+    let (text, data, _) = sizes(&program)?;
+    Ok(text + data)
+}
+
+/// Differences of the figures in `now` from the golden ones.
+fn misses(place: &str, golden: &toml::Table, now: &toml::Table, wrong: &mut Vec<String>) {
+    for (name, value) in now {
+        let (place, before) = (format!("{place} {name}"), golden.get(name));
+        if let Some(table) = value.as_table() {
+            misses(
+                &place,
+                before.and_then(toml::Value::as_table).unwrap_or(&toml::Table::new()),
+                table,
+                wrong,
+            );
+            continue;
+        }
+        let few = if name == "mean" || name == "worst" { FEW } else { 0.0 };
+        let after = value.as_integer().unwrap_or(-1);
+        let before = before.and_then(toml::Value::as_integer).unwrap_or(-1);
+        if (after - before).abs() as f64 > few.max(TOLERANCE * before.abs() as f64) {
+            wrong.push(format!("{}: golden {before}, now {after}: cargo xtask sizes", place.trim_start()));
         }
     }
-    wrong
 }
 
 fn begins(call: &str, prefixes: &[&str]) -> bool {
@@ -159,41 +216,47 @@ pub(crate) fn link(
     uses: impl Fn(&str) -> bool,
 ) -> Result<PathBuf, String> {
     let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
-    program(root, processor, calls.iter().filter(|call| uses(call)))
+    let calls: Vec<_> = calls.iter().filter(|call| uses(call)).collect();
+    program(root, NARX, processor, &calls)
 }
 
-fn program<'a>(
+/// Options for a program without a start-up, with the small C library.
+const BARE: [&str; 3] = ["-nostartfiles", "--specs=nano.specs", "-Wl,--gc-sections,-z,noexecstack"];
+
+fn program(
     root: &Path,
+    library: Library,
     processor: Processor,
-    calls: impl Iterator<Item = &'a String> + Clone,
+    calls: &[&String],
 ) -> Result<PathBuf, String> {
     let directory = target_directory(root).join("c");
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
     let program = directory.join("size.elf");
     let mut linker = Command::new(cross::COMPILER);
-    linker.args(processor.options()).args(["-nostdlib", "-Wl,--gc-sections,-z,noexecstack"]);
-    linker.args(calls.clone().map(|call| format!("-Wl,--undefined={call}")));
-    linker.args(calls.take(1).map(|call| format!("-Wl,--entry={call}")));
-    // The compiler's own functions, on a processor that cannot divide.
-    linker.arg(NARX.path(root, Some(processor))).arg("-lgcc").arg("-o").arg(&program);
+    linker.args(processor.options()).args(BARE);
+    linker.args(calls.iter().map(|call| format!("-Wl,--undefined={call}")));
+    linker.args(calls.iter().take(1).map(|call| format!("-Wl,--entry={call}")));
+    linker.arg(library.path(root, Some(processor))).arg("-o").arg(&program);
     output(&mut linker)?;
     Ok(program)
 }
 
 /// Code and constants of a program with these calls, bytes.
-fn flash<'a>(
-    root: &Path,
-    processor: Processor,
-    calls: impl Iterator<Item = &'a String> + Clone,
-) -> Result<u64, String> {
-    let program = program(root, processor, calls)?;
-    let text = output(Command::new("arm-none-eabi-size").arg(&program))?;
+fn flash(root: &Path, library: Library, processor: Processor, calls: &[&String]) -> Result<u64, String> {
+    match sizes(&program(root, library, processor, calls)?)? {
+        // The library has no variables, as the head of narx.h says of it.
+        (text, 0, 0) => Ok(text),
+        (_, data, bss) => Err(format!("the library has variables: {data} + {bss} bytes")),
+    }
+}
+
+/// Sizes of a program: code with constants, initialised variables, and other variables, bytes.
+fn sizes(program: &Path) -> Result<(u64, u64, u64), String> {
+    let text = output(Command::new("arm-none-eabi-size").arg(program))?;
     let figures = text.lines().nth(1).unwrap_or_default().split_whitespace();
     let figures: Vec<u64> = figures.map_while(|figure| figure.parse().ok()).collect();
     match figures[..] {
-        // The library has no variables, as the head of narx.h says of it.
-        [text, 0, 0, ..] => Ok(text),
-        [_, data, bss, ..] => Err(format!("the library has variables: {data} + {bss} bytes")),
+        [text, data, bss, ..] => Ok((text, data, bss)),
         _ => Err(format!("arm-none-eabi-size: {text}")),
     }
 }

@@ -21,7 +21,7 @@ pub struct CommutationSettings {
 /// Computes the step of a period, and the changes within it, from position and torque direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Commutation {
-    coefficients: CommutatorCoefficients,
+    ready: CommutatorCoefficients,
     station: Commutator,
 }
 
@@ -31,15 +31,24 @@ impl Commutation {
     /// # Errors
     /// The setting that is out of range.
     pub fn build(settings: &CommutationSettings) -> Result<Self, SettingError> {
-        let coefficients = coefficients(settings)?;
-        Ok(Self { coefficients, station: Commutator::default() })
+        coefficients(settings).map(Self::new)
+    }
+
+    /// A commutation that knows no rotor position yet, with ready-made coefficients, which are not checked.
+    pub fn new(ready: CommutatorCoefficients) -> Self {
+        Self { ready, station: Commutator::default() }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &CommutatorCoefficients {
+        &self.ready
     }
 
     /// Returns the step at the earliest instant of this period, and up to two changes later in it, for a
     /// rotor at `position` with torque in direction `torque`. A rotor that seems to have fallen back by less
     /// than 15 degrees is not commutated back.
     pub fn step(&mut self, position: Position, torque: Direction) -> (Step, Commutations) {
-        self.station.step(&self.coefficients, position.angle, position.speed, torque)
+        self.station.step(&self.ready, position.angle, position.speed, torque)
     }
 
     /// Forgets the sector: the bridge was off.

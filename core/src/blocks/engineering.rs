@@ -123,14 +123,14 @@ pub fn gain(name: &str, value: f64) -> Result<Gain, NumberError<'_>> {
     if !(least..=max).contains(&value) {
         return Err(error);
     }
-    let scaled = |shift: u8| libm::round(libm::ldexp(value, shift.into()));
+    let scaled = |shift| libm::round(libm::ldexp(value, shift));
     let shift = (0..=62).rev().find(|shift| scaled(*shift) <= max).unwrap_or(0);
-    Gain::new(scaled(shift) as i32, shift).ok_or(error)
+    Gain::new(scaled(shift) as i32, shift.unsigned_abs()).ok_or(error)
 }
 
 /// Returns the value of a gain.
 pub fn value_of(gain: Gain) -> f64 {
-    libm::ldexp(gain.mantissa().into(), -i32::from(gain.shift()))
+    libm::ldexp(gain.mantissa().into(), -(gain.shift() as i32))
 }
 
 /// Converts electrical degrees to a u32 turn.

@@ -45,16 +45,16 @@ impl Default for FaultSettings {
     fn default() -> Self {
         Self {
             tick_rate: 10_000,
-            over_voltage: Volts::from_bits(factory_quantity(number::OVER_VOLTAGE)),
-            under_voltage: Volts::from_bits(factory_quantity(number::UNDER_VOLTAGE)),
-            over_current: Amps::from_bits(factory_quantity(number::OVER_CURRENT)),
-            over_temperature: Celsius::from_bits(factory_quantity(number::OVER_TEMPERATURE)),
-            warning: Celsius::from_bits(factory_quantity(number::TEMPERATURE_WARNING)),
-            over_pressure: Volts::from_bits(factory_quantity(number::OVER_PRESSURE)),
+            over_voltage: Volts::from_bits(const { factory_quantity(number::OVER_VOLTAGE) }),
+            under_voltage: Volts::from_bits(const { factory_quantity(number::UNDER_VOLTAGE) }),
+            over_current: Amps::from_bits(const { factory_quantity(number::OVER_CURRENT) }),
+            over_temperature: Celsius::from_bits(const { factory_quantity(number::OVER_TEMPERATURE) }),
+            warning: Celsius::from_bits(const { factory_quantity(number::TEMPERATURE_WARNING) }),
+            over_pressure: Volts::from_bits(const { factory_quantity(number::OVER_PRESSURE) }),
             speed_max: ElectricalSpeed::from_bits(SPEED_MAX),
             shutdown_lines: Lines::empty(),
-            critical_mask: factory(number::CRITICAL_FAULT_MASK),
-            hall_stall_ms: factory(number::HALL_STALL_TIME),
+            critical_mask: const { factory(number::CRITICAL_FAULT_MASK) },
+            hall_stall_ms: const { factory(number::HALL_STALL_TIME) },
         }
     }
 }
@@ -66,7 +66,7 @@ const SPEED_MAX: i32 = 10_000 << 16;
 /// gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    coefficients: ProtectionCoefficients,
+    ready: ProtectionCoefficients,
     now: Instant,
     station: Protection,
 }
@@ -101,13 +101,23 @@ impl Fault {
             hall_stall_ticks: ticks(s.hall_stall_ms, rate),
         };
         let coefficients = ProtectionCoefficients::new(rate, &thresholds);
-        Ok(Self { coefficients, now: Instant::default(), station: Protection::default() })
+        Ok(Self::new(coefficients))
+    }
+
+    /// A fault logic without a fault, with ready-made coefficients, which are not checked.
+    pub fn new(ready: ProtectionCoefficients) -> Self {
+        Self { ready, now: Instant::default(), station: Protection::default() }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &ProtectionCoefficients {
+        &self.ready
     }
 
     /// Runs one tick. Returns true while a critical fault is present: the bridge must be switched off.
     pub fn step(&mut self, evidence: &Evidence) -> bool {
         self.now = self.now.next();
-        self.station.step(&self.coefficients, self.now, evidence)
+        self.station.step(&self.ready, self.now, evidence)
     }
 
     /// Follows a state change of the [`StateMachine`](super::StateMachine) beside it: a time-out and a failed

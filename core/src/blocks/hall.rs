@@ -10,6 +10,7 @@ use crate::motor::rotor::hall::{
 };
 use crate::motor::sense::samples::{EDGES_MAX, Edge, Samples};
 use crate::units::{ElectricalAngle, ElectricalSpeed};
+use serde::Serialize;
 
 /// Settings of a [`Hall`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +40,7 @@ impl Default for HallSettings {
             order: 0,
             polarity: 0,
             offset_cdeg: 0,
-            timeout_ms: factory(number::HALL_PERIOD_TIMEOUT),
+            timeout_ms: const { factory(number::HALL_PERIOD_TIMEOUT) },
             interpolation_min: ElectricalSpeed::from_bits(1 << 16),
             captured: true,
         }
@@ -64,12 +65,21 @@ pub struct HallReading {
     pub doubtful: bool,
 }
 
+/// Ready-made coefficients of a hall station: those that its settings build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[repr(C)]
+pub struct HallReady {
+    /// The station's own.
+    pub station: HallCoefficients,
+    /// Rev/s (raw I16F16) of 2^-32 turn a tick.
+    pub speed_of_turns: Gain,
+}
+
 /// The hall station: sector, angle and speed. A single glitch is debounced and counted;
 /// [`Fault`](super::Fault) decides when glitches are a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hall {
-    coefficients: HallCoefficients,
-    speed_of_turns: Gain,
+    ready: HallReady,
     now: Instant,
     station: Station,
 }
@@ -90,15 +100,24 @@ impl Hall {
         quantity_within("interpolation_min", floor, 0, (rate as i32 / 12) << 16, "rev/s")?;
         let wiring = HallWiring { order: settings.order, polarity: settings.polarity, offset: 0 };
         let offset = turn_of_centidegrees(settings.offset_cdeg);
-        let coefficients = HallCoefficients {
+        let station = HallCoefficients {
             sectors: sectors(wiring),
             offset: ElectricalAngle((offset >> 16) as u16),
             timeout: ticks(settings.timeout_ms, rate) << 16,
             interpolation_min: turns_of_speed(rate).apply32(floor).unsigned_abs(),
             captured: settings.captured,
         };
-        let station = Station::default();
-        Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), now: Instant::default(), station })
+        Ok(Self::new(HallReady { station, speed_of_turns: speed_of_turns(rate) }))
+    }
+
+    /// A station that has not seen the sensors yet, with ready-made coefficients, which are not checked.
+    pub fn new(ready: HallReady) -> Self {
+        Self { ready, now: Instant::default(), station: Station::default() }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &HallReady {
+        &self.ready
     }
 
     /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the edges of the period that
@@ -107,12 +126,12 @@ impl Hall {
         let edges = edges.iter().copied().take(EDGES_MAX).collect();
         let samples = Samples { hall: code, edges, ..Samples::default() };
         self.now = self.now.next();
-        let events = self.station.step(&self.coefficients, self.now, &samples);
+        let events = self.station.step(&self.ready.station, self.now, &samples);
         let speed = self.station.speed_bounded(self.now);
         HallReading {
             sector: self.station.sector(),
             position: Position { angle: self.station.angle(self.now), speed: self.station.speed() },
-            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(speed)),
+            speed: ElectricalSpeed::from_bits(self.ready.speed_of_turns.apply32(speed)),
             events,
             stopped: self.station.stopped(),
             doubtful: self.station.doubtful(),

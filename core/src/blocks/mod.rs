@@ -2,7 +2,8 @@
 //! one part of this one.
 //!
 //! A block is a station of [`motor`](crate::motor) together with its coefficients. Its settings are
-//! engineering figures; `build` checks them, and an error names the setting, its value and its range. `step`
+//! engineering figures; `build` checks them, and an error names the setting, its value and its range. That
+//! takes more flash than the station: `new` takes coefficients that were built elsewhere, as `ready` shows them. `step`
 //! cannot fail. It calls the very station that the drive calls, so a block answers what a drive with the same
 //! figures answers, bit for bit.
 //!
@@ -32,27 +33,35 @@ pub use crate::motor::rotor::Position;
 pub use commutation::{Commutation, CommutationSettings};
 pub use error::SettingError;
 pub use fault::{Fault, FaultSettings};
-pub use hall::{Hall, HallReading, HallSettings};
-pub use pi::{Pi, PiSettings};
-pub use ramp::{Ramp, RampSettings};
+pub use hall::{Hall, HallReading, HallReady, HallSettings};
+pub use pi::{Pi, PiReady, PiSettings};
+pub use ramp::{Ramp, RampReady, RampSettings};
 pub use state::{StateMachine, StateSettings};
-pub use zero_crossing::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
+pub use zero_crossing::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingReady, ZeroCrossingSettings};
 
-use crate::dictionary::Dictionary;
+use crate::dictionary::{Parameter, ROWS};
 use crate::motor::gain::Gain;
 use crate::units::Volts;
 use error::within;
 
+/// Row of a parameter. Looked up by the compiler, so that no program carries the table for a default.
+const fn row(number: u16) -> &'static Parameter {
+    let mut index = 0;
+    while ROWS[index].number != number {
+        index += 1;
+    }
+    &ROWS[index]
+}
+
 /// Raw factory value of a parameter: defaults are the drive's.
-fn factory(number: u16) -> u32 {
-    Dictionary::row(number).map_or(0, |row| row.default() as u32)
+const fn factory(number: u16) -> u32 {
+    row(number).factory_raw() as u32
 }
 
 /// Factory value of a parameter as a quantity in its unit, raw I16F16.
-fn factory_quantity(number: u16) -> i32 {
-    Dictionary::row(number).map_or(0, |row| {
-        Volts::from_ratio(row.default(), 10_i32.pow(row.exponent.min(0).unsigned_abs().into())).to_bits()
-    })
+const fn factory_quantity(number: u16) -> i32 {
+    let row = row(number);
+    Volts::from_ratio(row.factory_raw() as i64, 10_i32.pow((-row.exponent) as u32)).to_bits()
 }
 
 /// The control rates that a board may have, ticks a second: those of [`Board`](crate::motor::Board).

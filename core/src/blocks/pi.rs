@@ -3,6 +3,7 @@
 use super::error::{SettingError, quantity_within, within};
 use crate::motor::control::pi::{Pi as Station, PiGains};
 use crate::motor::gain::{Gain, SIGNIFICANT_BITS};
+use serde::Serialize;
 
 /// Settings of a [`Pi`]. Errors and outputs are raw I16F16 in units of the caller's choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,13 +20,23 @@ pub struct PiSettings {
     pub maximum: i32,
 }
 
+/// Ready-made coefficients of a PI controller: those that its settings build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[repr(C)]
+pub struct PiReady {
+    /// Gains of one step: Kp, and Ki x step time.
+    pub gains: PiGains,
+    /// Least output, raw I16F16.
+    pub minimum: i32,
+    /// Largest output, raw I16F16, not below the least.
+    pub maximum: i32,
+}
+
 /// A PI controller: `u = Kp e + integral of Ki e dt`, within its limits. The integrator has 16 fraction bits
 /// more than the output, and never holds more than brings the output to a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pi {
-    gains: PiGains,
-    minimum: i32,
-    maximum: i32,
+    ready: PiReady,
     station: Station,
 }
 
@@ -54,28 +65,33 @@ impl Pi {
             }
         })?;
         let gains = PiGains { proportional, integral };
-        Ok(Self { gains, minimum, maximum, station: Station::default() })
+        Ok(Self::new(PiReady { gains, minimum, maximum }))
+    }
+
+    /// A controller at rest with ready-made coefficients, which are not checked.
+    pub fn new(ready: PiReady) -> Self {
+        Self { ready, station: Station::default() }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &PiReady {
+        &self.ready
     }
 
     /// The output for `error`, both raw I16F16.
     pub fn step(&mut self, error: i32) -> i32 {
-        self.station.step(&self.gains, error, self.minimum, self.maximum)
+        self.station.step(&self.ready.gains, error, self.ready.minimum, self.ready.maximum)
     }
 
     /// Follows the output `applied` (raw I16F16) that something else decided in this step, whose error was
     /// `error`: the integrator goes an eighth of the way to the value that would have given `applied`, so
     /// that the controller takes over again without a bump.
     pub fn track(&mut self, applied: i32, error: i32) {
-        self.station.track(&self.gains, applied, error);
+        self.station.track(&self.ready.gains, applied, error);
     }
 
     /// Sets the integrator so that it alone gives `output` (raw I16F16).
     pub fn hold(&mut self, output: i32) {
         self.station.wait(output);
-    }
-
-    /// Gains of one step: Kp, and Ki x step time.
-    pub const fn gains(&self) -> &PiGains {
-        &self.gains
     }
 }

@@ -43,11 +43,11 @@ impl Default for StateSettings {
             sensorless: false,
             hall: true,
             boot_ms: 500,
-            lock_ms: factory(number::LOCK_DURATION),
-            open_loop_ms: factory(number::OPEN_LOOP_DURATION),
+            lock_ms: const { factory(number::LOCK_DURATION) },
+            open_loop_ms: const { factory(number::OPEN_LOOP_DURATION) },
             auto_restart_ms: 2_000,
-            fault_wait_ms: factory(number::FAULT_WAIT),
-            command_timeout_ms: factory(number::CAN_TIMEOUT),
+            fault_wait_ms: const { factory(number::FAULT_WAIT) },
+            command_timeout_ms: const { factory(number::CAN_TIMEOUT) },
         }
     }
 }
@@ -56,7 +56,7 @@ impl Default for StateSettings {
 /// modes and direction of a start, acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMachine {
-    coefficients: MachineCoefficients,
+    ready: MachineCoefficients,
     now: Instant,
     station: Machine,
 }
@@ -84,7 +84,17 @@ impl StateMachine {
             command_timeout: duration("command_timeout_ms", s.command_timeout_ms)?,
             ..MachineCoefficients::default()
         };
-        Ok(Self { coefficients, now: Instant::default(), station: Machine::default() })
+        Ok(Self::new(coefficients))
+    }
+
+    /// A machine in Initialization, with ready-made coefficients, which are not checked.
+    pub fn new(ready: MachineCoefficients) -> Self {
+        Self { ready, now: Instant::default(), station: Machine::default() }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &MachineCoefficients {
+        &self.ready
     }
 
     /// Takes a command; it restarts the time-out. Standby acknowledges a fault, Drive and Reverse start the
@@ -101,7 +111,7 @@ impl StateMachine {
     /// Runs one tick: time passes, at most one transition fires.
     pub fn step(&mut self, inputs: &Inputs) -> Option<Change> {
         self.now = self.now.next();
-        self.station.step(&self.coefficients, self.now, inputs)
+        self.station.step(&self.ready, self.now, inputs)
     }
 
     /// Present state.

@@ -17,6 +17,7 @@ use crate::motor::sense::front_end::{Channel, FrontEnd};
 use crate::motor::sense::measurement::ChannelScale;
 use crate::motor::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
+use serde::Serialize;
 
 /// Settings of a [`ZeroCrossing`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +97,22 @@ pub struct ZeroCrossingReading {
     pub lost: Rail,
 }
 
+/// Ready-made coefficients of a detector: those that its settings build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[repr(C)]
+pub struct ZeroCrossingReady {
+    /// The station's own.
+    pub back_emf: BackEmfCoefficients,
+    /// Of the commutation that follows a crossing.
+    pub commutator: CommutatorCoefficients,
+    /// Scale of the bus voltage.
+    pub bus_voltage: ChannelScale,
+    /// Rev/s (raw I16F16) of 2^-32 turn a tick.
+    pub speed_of_turns: Gain,
+    /// No crossing for this long is standstill, 1/65 536 tick.
+    pub timeout: u32,
+}
+
 /// Phase of the rotor's motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Mode {
@@ -113,11 +130,7 @@ enum Mode {
 /// `running`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ZeroCrossing {
-    coefficients: BackEmfCoefficients,
-    commutator: CommutatorCoefficients,
-    bus_voltage: ChannelScale,
-    speed_of_turns: Gain,
-    timeout: u32,
+    ready: ZeroCrossingReady,
     now: Instant,
     back_emf: BackEmf,
     listening: Listening,
@@ -148,7 +161,7 @@ impl ZeroCrossing {
         // V/rpm x 10^-6 to V per electrical rev/s, and per 2^-32 turn a tick.
         let (emf, poles) = (i128::from(s.back_emf_uv_per_rpm) * 60, i128::from(s.pole_pairs));
         let gain = |numerator, denominator| Gain::from_ratio(numerator, denominator).unwrap_or(Gain::ZERO);
-        let coefficients = BackEmfCoefficients {
+        let back_emf = BackEmfCoefficients {
             terminal: ChannelScale::new(s.terminal, 0),
             noise: s.noise_codes.into(),
             silence: s.terminal.zero.saturating_add(s.noise_codes.into()),
@@ -160,18 +173,30 @@ impl ZeroCrossing {
             back_emf: gain(emf, 1_000_000 * poles),
             emf_of_turns: gain(emf * i128::from(rate), 1_000_000 * 65_536 * poles),
         };
-        Ok(Self {
-            coefficients,
+        Ok(Self::new(ZeroCrossingReady {
+            back_emf,
             commutator,
             bus_voltage: ChannelScale::new(s.bus_voltage, 0),
             speed_of_turns: speed_of_turns(rate),
             timeout: u32::from(s.timeout_ticks) << 16,
+        }))
+    }
+
+    /// A station that has not seen the motor yet, with ready-made coefficients, which are not checked.
+    pub fn new(ready: ZeroCrossingReady) -> Self {
+        Self {
+            ready,
             now: Instant::default(),
             back_emf: BackEmf::default(),
             listening: Listening::default(),
             estimator: Estimator::default(),
             mode: Mode::Listening,
-        })
+        }
+    }
+
+    /// Its coefficients, for [`new`](Self::new) elsewhere.
+    pub const fn ready(&self) -> &ZeroCrossingReady {
+        &self.ready
     }
 
     /// Begins to bring up a rotor that rests at `angle` (u32 turn), in `direction`.
@@ -219,7 +244,7 @@ impl ZeroCrossing {
             return;
         }
         let passage =
-            self.listening.step(&self.coefficients, self.now, &samples.phase_voltage, applied.sample_at);
+            self.listening.step(&self.ready.back_emf, self.now, &samples.phase_voltage, applied.sample_at);
         if let Some(passage) = passage
             && (passage.direction == self.estimator.direction() || self.listening.agrees())
         {
@@ -229,8 +254,8 @@ impl ZeroCrossing {
 
     /// Evaluates a tick with the bridge on; returns the age of a crossing that the estimator accepts.
     fn observe(&mut self, samples: &Samples, applied: &PwmCommand, torque: Direction) -> Option<i32> {
-        let bus_voltage = self.bus_voltage.convert(samples.bus_voltage);
-        let (now, c) = (self.now, &self.coefficients);
+        let bus_voltage = self.ready.bus_voltage.convert(samples.bus_voltage);
+        let (now, c) = (self.now, &self.ready.back_emf);
         let mut end = End::Seen;
         if !self.back_emf.goes_on(applied) {
             if self.back_emf.coasts() {
@@ -260,7 +285,7 @@ impl ZeroCrossing {
         match observation {
             Observation::Crossing { age, threshold } => {
                 let crossing = (age, threshold);
-                if self.estimator.cross(now, sector, crossing, self.coefficients.emf_of_turns, starting) {
+                if self.estimator.cross(now, sector, crossing, self.ready.back_emf.emf_of_turns, starting) {
                     return Some(age);
                 }
                 self.back_emf.reject(now);
@@ -277,7 +302,7 @@ impl ZeroCrossing {
 
     /// Decides whether the loop may be closed or must be opened; returns the reason for opening it.
     fn settle(&mut self) -> Rail {
-        let silent = self.estimator.since(self.now) >= self.timeout;
+        let silent = self.estimator.since(self.now) >= self.ready.timeout;
         match self.mode {
             Mode::Listening if silent || !self.listening.is_turning() => {}
             Mode::Listening | Mode::Starting => {
@@ -311,7 +336,7 @@ impl ZeroCrossing {
         let (why, margin, accepted) = estimator.why();
         let position = Position { angle: estimator.angle(self.now), speed: estimator.speed() };
         let known = self.mode == Mode::Running || estimator.is_prepared() || self.listening.is_turning();
-        let speed = if known && estimator.since(self.now) < self.timeout {
+        let speed = if known && estimator.since(self.now) < self.ready.timeout {
             estimator.speed_bounded(self.now)
         } else {
             0
@@ -324,9 +349,10 @@ impl ZeroCrossing {
             margin,
             accepted,
             position,
-            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(speed)),
-            commutation: sector
-                .and_then(|sector| time_in(&self.commutator, sector, position.angle, position.speed, torque)),
+            speed: ElectricalSpeed::from_bits(self.ready.speed_of_turns.apply32(speed)),
+            commutation: sector.and_then(|sector| {
+                time_in(&self.ready.commutator, sector, position.angle, position.speed, torque)
+            }),
             running: self.mode == Mode::Running,
             lost,
         }

@@ -75,7 +75,7 @@ pub fn speed_limit(number: u16, raw: i32, pole_pairs: i32) -> i32 {
     }
 }
 
-static ROWS: [Parameter; PARAMETER_COUNT] = row::parameters();
+pub(crate) static ROWS: [Parameter; PARAMETER_COUNT] = row::parameters();
 
 const fn stored(rows: &[Parameter]) -> usize {
     let (mut count, mut at) = (0, 0);

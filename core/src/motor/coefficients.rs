@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything configurable that the tick needs, in its own units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Coefficients {
     /// Converter scales.
     pub measurement: MeasurementScales,

@@ -36,7 +36,7 @@ use super::control::{Control, Demand};
 use super::guard::open_phase::OpenPhase;
 use super::guard::protection::{Evidence, Protection};
 use super::machine::Machine;
-use super::machine::event::{Event, HallCalibration, Health, SlowMeasurements};
+use super::machine::event::{Command, Event, HallCalibration, Health, SlowMeasurements};
 use super::machine::state::State;
 use super::modes::HALL;
 use super::ramp::Ramp;
@@ -45,10 +45,10 @@ use super::rotor::hall_calibration::HallCalibrator;
 use super::rotor::{Rotor, Source};
 use super::sense::measurement::Measurement;
 use super::sense::samples::{SampleMode, Samples};
-use crate::units::Amps;
+use crate::units::{Amps, ElectricalSpeed};
 use core::borrow::Borrow;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
-use pattern::Pattern;
+use pattern::{Pattern, sampling_limits};
 use quiet::Quiet;
 use reports::Reports;
 use serde::{Deserialize, Serialize};
@@ -103,7 +103,6 @@ impl Drive {
     #[inline(never)]
     pub fn new(coefficients: Coefficients) -> Self {
         Self {
-            coefficients,
             now: Instant::default(),
             due: Instant::default(),
             pattern_due: Instant::default(),
@@ -125,25 +124,20 @@ impl Drive {
             lock: Ramp::default(),
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
-            on_time: (0, 0),
+            on_time: sampling_limits(Source::Both, &coefficients),
             tasks: Tasks::default(),
             pattern: Pattern::OFF,
             applied: PwmCommand::default(),
             reports: Reports::default(),
+            coefficients,
         }
-        .refreshed()
-    }
-
-    fn refreshed(mut self) -> Self {
-        self.refresh();
-        self
     }
 
     /// After a change of state (and after `enter`) or of the coefficients: the source of the rotor, and what
     /// depends on both alone.
     fn refresh(&mut self) {
         self.rotor.follow(self.now, self.source());
-        self.on_time = self.sampling_limits();
+        self.on_time = sampling_limits(self.rotor.source(), &self.coefficients);
         self.control.decide_anew();
     }
 
@@ -159,7 +153,7 @@ impl Drive {
         }
     }
 
-    /// Takes one event; call before [`step`](Self::step), at most once a tick.
+    /// Takes one event; call before [`step`](Self::step).
     pub fn handle_event(&mut self, event: impl Borrow<Event>) {
         self.take_event(event.borrow());
     }
@@ -167,34 +161,63 @@ impl Drive {
     /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of
     /// them ask for.
     fn take_event(&mut self, event: &Event) {
-        let now = self.now;
-        // Most events repeat the last request, or say that all is well: they wake nobody. Set-point and
-        // temperature are read once a millisecond.
-        let is_known = match event {
-            Event::Command(command) => self.machine.knows(command.request),
-            Event::SetPoint(_) => true,
-            Event::Slow(slow) => self.protection.stays_calm_at(&self.coefficients.protection, slow),
-            Event::Health(health) => *health == self.health,
-            Event::Coefficients(_) | Event::CoefficientsRejected | Event::CalibrateHall(_) => false,
-        };
         match event {
-            Event::Command(command) if is_known => self.machine.handle_set_point(now, command.speed),
-            Event::Command(command) => self.machine.handle_command(now, *command),
-            Event::SetPoint(speed) => self.machine.handle_set_point(now, *speed),
-            Event::Coefficients(coefficients) => {
-                self.rotor.change_wiring(now, &self.coefficients.hall, &coefficients.hall);
-                self.coefficients = *coefficients;
-                self.parameters_fit = true;
-                self.refresh();
+            Event::Command(command) => self.handle_command(*command),
+            Event::SetPoint(speed) => self.handle_set_point(*speed),
+            Event::Coefficients(coefficients) => self.change(coefficients),
+            Event::CoefficientsRejected => {
+                self.parameters_fit = false;
+                self.wake();
             }
-            Event::CoefficientsRejected => self.parameters_fit = false,
-            Event::Slow(slow) => self.slow = *slow,
-            Event::Health(health) => self.health = *health,
-            Event::CalibrateHall(run) => self.machine.handle_calibration(*run),
+            Event::Slow(slow) => self.handle_slow(*slow),
+            Event::Health(health) => {
+                if *health != self.health {
+                    self.health = *health;
+                    self.wake();
+                }
+            }
+            Event::CalibrateHall(run) => self.calibrate_hall(*run),
         }
-        if !is_known {
+    }
+
+    /// Takes a command. Most repeat the last request: they wake nobody, and the set-point is read once a
+    /// millisecond.
+    pub fn handle_command(&mut self, command: Command) {
+        if self.machine.knows(command.request) {
+            self.machine.handle_set_point(self.now, command.speed);
+        } else {
+            self.machine.handle_command(self.now, command);
             self.wake();
         }
+    }
+
+    /// Takes a set-point magnitude; the request stays.
+    pub const fn handle_set_point(&mut self, speed: ElectricalSpeed) {
+        self.machine.handle_set_point(self.now, speed);
+    }
+
+    /// Takes slow measurements. Most say that all is well: they wake nobody.
+    pub fn handle_slow(&mut self, slow: SlowMeasurements) {
+        let is_calm = self.protection.stays_calm_at(&self.coefficients.protection, &slow);
+        self.slow = slow;
+        if !is_calm {
+            self.wake();
+        }
+    }
+
+    /// Takes other coefficients.
+    pub fn change(&mut self, coefficients: &Coefficients) {
+        self.rotor.change_wiring(self.now, &self.coefficients.hall, &coefficients.hall);
+        self.coefficients = *coefficients;
+        self.parameters_fit = true;
+        self.refresh();
+        self.wake();
+    }
+
+    /// The next start runs the hall calibration instead of the control mode (true), or not (false).
+    pub fn calibrate_hall(&mut self, run: bool) {
+        self.machine.handle_calibration(run);
+        self.wake();
     }
 
     /// Makes everything due: the next tick asks every station and every limit. By the law of the tick this

@@ -8,10 +8,13 @@ pub const SIGNIFICANT_BITS: u32 = 8;
 const MANTISSA_BITS: u32 = 30;
 const SHIFT_MAX: u32 = 62;
 
-/// A non-negative factor `mantissa x 2^-shift`. The product with any `i32` fits `i64`.
+/// A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Gain {
+    /// 0 to 2^30 - 1, so that the product with any 32-bit value fits 64 bits.
     mantissa: i32,
+    /// Fraction bits, 0 to 62.
     shift: u32,
 }
 
@@ -24,9 +27,9 @@ impl Gain {
 
     /// The gain `mantissa x 2^-shift`: a Q-format with `shift` fraction bits. `None` unless the mantissa is 0
     /// to [`Self::MANTISSA_MAX`] and the shift 0 to 62.
-    pub const fn new(mantissa: i32, shift: u8) -> Option<Self> {
-        let fits = mantissa >= 0 && mantissa <= Self::MANTISSA_MAX && shift as u32 <= SHIFT_MAX;
-        if fits { Some(Self { mantissa, shift: shift as u32 }) } else { None }
+    pub const fn new(mantissa: i32, shift: u32) -> Option<Self> {
+        let fits = mantissa >= 0 && mantissa <= Self::MANTISSA_MAX && shift <= SHIFT_MAX;
+        if fits { Some(Self { mantissa, shift }) } else { None }
     }
 
     /// The factor as an integer, in units of 2^-[`shift`](Self::shift).
@@ -35,8 +38,8 @@ impl Gain {
     }
 
     /// Its fraction bits.
-    pub const fn shift(self) -> u8 {
-        self.shift as u8
+    pub const fn shift(self) -> u32 {
+        self.shift
     }
 
     /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and

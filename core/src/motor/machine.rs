@@ -51,12 +51,13 @@ pub enum Refusal {
 
 /// Coefficients of the state machine. Durations are in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct MachineCoefficients {
-    /// Enables of Table 6.
+    /// Open loop may run the motor (Table 6).
     pub open_loop_enable: bool,
-    /// Enables of Table 6.
+    /// The sensorless loop may run the motor (Table 6).
     pub sensorless_enable: bool,
-    /// Enables of Table 6.
+    /// The hall loop may run the motor (Table 6), before the others.
     pub hall_enable: bool,
     /// Boot-up time (T01): 0.5 s.
     pub boot: u32,

@@ -1,11 +1,12 @@
 //! Six-step commutation: the table, and the steps for a position.
 
-use super::{direction, init, narx_commutation_settings_t, narx_setting_error_t};
+use super::{direction, init, init_ready, narx_commutation_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t};
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Commutation, Position};
+use narx_core::motor::commutate::commutator::CommutatorCoefficients;
 use narx_core::motor::{Commutation as Change, Leg, Step};
 
 /// A commutation: memory that the caller owns. It may be copied and moved between calls.
@@ -81,6 +82,19 @@ pub unsafe extern "C" fn narx_commutation_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(commutation, size, settings, error, Commutation::build) }
+}
+
+/// Makes a commutation that knows no rotor position yet from ready-made coefficients: what narx has computed
+/// on the desk from such settings as narx_commutation_init takes. They are not checked. It takes a few
+/// hundred bytes of flash where narx_commutation_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_init_ready(
+    commutation: *mut narx_commutator_t,
+    size: usize,
+    ready: *const CommutatorCoefficients,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(commutation, size, ready, Commutation::new) }
 }
 
 /// Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`

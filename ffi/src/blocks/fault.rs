@@ -1,12 +1,13 @@
 //! Fault logic: measurements and conditions to a qualified, latched fault word (Table 9).
 
 use super::state::{narx_change_t, row, state};
-use super::{init, narx_fault_settings_t, narx_setting_error_t};
+use super::{init, init_ready, narx_fault_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Fault, FaultSettings};
 use narx_core::motor::guard::protection::Evidence;
+use narx_core::motor::guard::protection::ProtectionCoefficients;
 use narx_core::motor::machine::event::{Health, SlowMeasurements};
 use narx_core::motor::machine::{Change, RunRequest};
 use narx_core::motor::rotor::hall::HallEvents;
@@ -109,6 +110,19 @@ pub unsafe extern "C" fn narx_fault_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(fault, size, settings, error, Fault::build) }
+}
+
+/// Makes a fault logic without a fault from ready-made coefficients: what narx has computed on the desk from
+/// such settings as narx_fault_init takes. They are not checked. It takes a few hundred bytes of flash where
+/// narx_fault_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_init_ready(
+    fault: *mut narx_fault_t,
+    size: usize,
+    ready: *const ProtectionCoefficients,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(fault, size, ready, Fault::new) }
 }
 
 /// Runs one tick. A critical fault latches.
@@ -215,7 +229,7 @@ impl TryFrom<&narx_evidence_t> for Evidence {
 }
 
 /// Returns the request with this motor mode.
-pub(super) fn request(number: u8) -> Result<RunRequest, narx_status_t> {
+pub(crate) fn request(number: u8) -> Result<RunRequest, narx_status_t> {
     match number {
         0 => Ok(RunRequest::Standby),
         1 => Ok(RunRequest::Drive),

@@ -1,11 +1,11 @@
 //! Hall sensors: sector, angle and speed from lines and edges.
 
-use super::{init, narx_hall_settings_t, narx_setting_error_t};
+use super::{init, init_ready, narx_hall_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::samples::{NARX_EDGES_MAX, edges, narx_edge_t};
 use crate::status::narx_status_t::{self, *};
-use narx_core::blocks::{Hall, HallReading, HallSettings};
+use narx_core::blocks::{Hall, HallReading, HallReady, HallSettings};
 
 /// A hall station: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -64,6 +64,19 @@ pub unsafe extern "C" fn narx_hall_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(hall, size, settings, error, Hall::build) }
+}
+
+/// Makes a station that has not seen the sensors yet from ready-made coefficients: what narx has computed on
+/// the desk from such settings as narx_hall_init takes. They are not checked. It takes a few hundred bytes of
+/// flash where narx_hall_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_hall_init_ready(
+    hall: *mut narx_hall_t,
+    size: usize,
+    ready: *const HallReady,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(hall, size, ready, Hall::new) }
 }
 
 /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period

@@ -1,7 +1,7 @@
 //! The drive's blocks, one by one, in the caller's memory.
 
 mod commutation;
-mod fault;
+pub(crate) mod fault;
 mod gain;
 mod hall;
 mod pi;
@@ -13,7 +13,6 @@ mod zero_crossing;
 
 pub use commutation::*;
 pub use fault::*;
-pub use gain::narx_gain_t;
 pub use hall::*;
 pub use pi::*;
 pub use ramp::*;
@@ -77,6 +76,20 @@ where
     };
     // SAFETY: the caller's promise.
     pointer::status(unsafe { handle::init(memory, size, object) })
+}
+
+/// Makes a block with ready-made coefficients in `size` bytes of memory.
+///
+/// # Safety
+/// The rule for pointers at the head of narx.h.
+unsafe fn init_ready<H: Handle, Ready: Copy>(
+    memory: *mut H,
+    size: usize,
+    ready: *const Ready,
+    new: impl FnOnce(Ready) -> H::Object,
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    pointer::status(unsafe { handle::init(memory, size, || pointer::read(ready).map(|ready| new(*ready))) })
 }
 
 /// Returns the direction with this number: 0 forward, 1 reverse.

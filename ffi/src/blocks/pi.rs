@@ -1,10 +1,10 @@
 //! Proportional-integral controller.
 
-use super::{init, narx_pi_settings_t, narx_setting_error_t};
+use super::{init, init_ready, narx_pi_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t;
-use narx_core::blocks::Pi;
+use narx_core::blocks::{Pi, PiReady};
 
 /// A PI controller: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -31,6 +31,19 @@ pub unsafe extern "C" fn narx_pi_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(pi, size, settings, error, Pi::build) }
+}
+
+/// Makes a controller at rest from ready-made coefficients: what narx has computed on the desk from such
+/// settings as narx_pi_init takes. They are not checked. It takes a few hundred bytes of flash where
+/// narx_pi_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_pi_init_ready(
+    pi: *mut narx_pi_t,
+    size: usize,
+    ready: *const PiReady,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(pi, size, ready, Pi::new) }
 }
 
 /// Writes the output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The

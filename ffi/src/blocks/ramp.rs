@@ -1,10 +1,10 @@
 //! Rate limit of a set-point.
 
-use super::{init, narx_ramp_settings_t, narx_setting_error_t};
+use super::{init, init_ready, narx_ramp_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t;
-use narx_core::blocks::Ramp;
+use narx_core::blocks::{Ramp, RampReady};
 
 /// A ramp: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -31,6 +31,19 @@ pub unsafe extern "C" fn narx_ramp_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(ramp, size, settings, error, Ramp::build) }
+}
+
+/// Makes a ramp at 0 from ready-made coefficients: what narx has computed on the desk from such settings as
+/// narx_ramp_init takes. They are not checked. It takes a few hundred bytes of flash where narx_ramp_init
+/// takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_ramp_init_ready(
+    ramp: *mut narx_ramp_t,
+    size: usize,
+    ready: *const RampReady,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(ramp, size, ready, Ramp::new) }
 }
 
 /// Moves one step towards `target` and writes the new value to `value`, both Q16.

@@ -1,12 +1,13 @@
 //! Settings of the blocks, made from the structs of `narx_core::blocks` by `cargo xtask header`.
 
-use super::gain::{gain, narx_gain_t};
+use super::gain::gain;
 use crate::board::narx_channel_t;
 use narx_core::blocks::{
     CommutationSettings, FaultSettings, HallSettings, PiSettings, RampSettings, SettingError, StateSettings,
     ZeroCrossingSettings,
 };
 use narx_core::motor::Lines;
+use narx_core::motor::gain::Gain;
 use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
 
 /// Settings for narx_commutation_init.
@@ -163,9 +164,9 @@ impl From<HallSettings> for narx_hall_settings_t {
 #[derive(Clone, Copy, Debug)]
 pub struct narx_pi_settings_t {
     /// Kp: output per error.
-    pub proportional: narx_gain_t,
+    pub proportional: Gain,
     /// Ki: output per error and second.
-    pub integral: narx_gain_t,
+    pub integral: Gain,
     /// Steps a second, 1 to 1 000 000 Hz.
     pub step_rate: u32,
     /// Least output, Q16.

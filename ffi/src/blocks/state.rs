@@ -1,11 +1,12 @@
 //! The state machine: one of eight states from requests and conditions (Table 7).
 
 use super::fault::request;
-use super::{init, narx_setting_error_t, narx_state_settings_t};
+use super::{init, init_ready, narx_setting_error_t, narx_state_settings_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{StateMachine, StateSettings};
+use narx_core::motor::machine::MachineCoefficients;
 use narx_core::motor::machine::state::{State, TRANSITIONS, Transition};
 use narx_core::motor::machine::{Command, Inputs};
 use narx_core::units::ElectricalSpeed;
@@ -89,6 +90,19 @@ pub unsafe extern "C" fn narx_state_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(machine, size, settings, error, StateMachine::build) }
+}
+
+/// Makes a machine in Initialization from ready-made coefficients: what narx has computed on the desk from
+/// such settings as narx_state_init takes. They are not checked. It takes a few hundred bytes of flash where
+/// narx_state_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_init_ready(
+    machine: *mut narx_state_machine_t,
+    size: usize,
+    ready: *const MachineCoefficients,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(machine, size, ready, StateMachine::new) }
 }
 
 /// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,

@@ -1,12 +1,12 @@
 //! Zero crossings of the floating phase: angle, speed and the next commutation.
 
-use super::{direction, init, narx_setting_error_t, narx_zero_crossing_settings_t};
+use super::{direction, init, init_ready, narx_setting_error_t, narx_zero_crossing_settings_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::pwm::NARX_COMMUTATIONS_MAX;
 use crate::samples::narx_samples_t;
 use crate::status::narx_status_t::{self, *};
-use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
+use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingReady, ZeroCrossingSettings};
 use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
 
 /// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved
@@ -14,7 +14,7 @@ use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
 #[repr(C)]
 pub struct narx_zero_crossing_t {
     /// Private.
-    words: [u64; 37],
+    words: [u64; 38],
 }
 
 const _: () = handle::assert_fits::<narx_zero_crossing_t>();
@@ -90,6 +90,19 @@ pub unsafe extern "C" fn narx_zero_crossing_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     unsafe { init(detector, size, settings, error, ZeroCrossing::build) }
+}
+
+/// Makes a detector that has not seen the motor yet from ready-made coefficients: what narx has computed on
+/// the desk from such settings as narx_zero_crossing_init takes. They are not checked. It takes a few hundred
+/// bytes of flash where narx_zero_crossing_init takes thousands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_init_ready(
+    detector: *mut narx_zero_crossing_t,
+    size: usize,
+    ready: *const ZeroCrossingReady,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { init_ready(detector, size, ready, ZeroCrossing::new) }
 }
 
 /// Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1

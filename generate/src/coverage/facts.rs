@@ -51,10 +51,9 @@ pub(super) fn share(sections: &mut [Section]) {
 
 /// Checks for one row for each name of the table, and no others; adds the vectors that take the transition.
 fn transitions(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
-    let names: BTreeSet<&str> = TRANSITIONS.iter().map(|row| row.name).collect();
-    same_keys(section, names.into_iter().map(str::to_owned).collect(), wrong);
+    same_keys(section, TRANSITIONS.iter().map(ToString::to_string).collect(), wrong);
     for row in &mut section.rows {
-        let Some(found) = TRANSITIONS.iter().find(|found| found.name == row.key) else { continue };
+        let Some(found) = TRANSITIONS.iter().find(|found| found.to_string() == row.key) else { continue };
         row.says = format!("{} to {}: {}", found.from as u8, found.to as u8, row.says);
         let pair: [State; 2] = [found.from, found.to];
         let takes = |states: &[State]| states.windows(2).any(|window| window == pair);

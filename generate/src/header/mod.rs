@@ -1,4 +1,4 @@
-//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the core's
+//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and coefficients, and the core's
 //! tables.
 
 mod tables;
@@ -18,12 +18,31 @@ pub fn make(root: &Path) -> Result<Made, String> {
 
 const HEADER: &str = "ffi/include/narx.h";
 
-/// Files of the core with the enumerations that the header contains.
-const ENUMERATIONS: [&str; 4] = [
+/// Files of the core with the enumerations and the coefficients that the header contains.
+const TYPES: [&str; 23] = [
+    "core/src/blocks/hall.rs",
+    "core/src/blocks/pi.rs",
+    "core/src/blocks/ramp.rs",
+    "core/src/blocks/zero_crossing.rs",
+    "core/src/motor/coefficients.rs",
     "core/src/motor/commutate/commutation.rs",
+    "core/src/motor/commutate/commutator.rs",
     "core/src/motor/commutate/pwm.rs",
-    "core/src/motor/sense/samples.rs",
+    "core/src/motor/control/coefficients.rs",
+    "core/src/motor/control/limits.rs",
+    "core/src/motor/control/pi.rs",
+    "core/src/motor/gain.rs",
+    "core/src/motor/guard/protection.rs",
+    "core/src/motor/guard/rails.rs",
+    "core/src/motor/machine.rs",
     "core/src/motor/machine/state.rs",
+    "core/src/motor/rotor/back_emf.rs",
+    "core/src/motor/rotor/hall.rs",
+    "core/src/motor/rotor/hall_calibration.rs",
+    "core/src/motor/rotor/open_loop.rs",
+    "core/src/motor/rotor/sensorless.rs",
+    "core/src/motor/sense/measurement.rs",
+    "core/src/motor/sense/samples.rs",
 ];
 
 /// File with the parameters' numbers.
@@ -35,7 +54,7 @@ fn header(root: &Path) -> Result<String, String> {
         .with_config(config)
         .with_crate(root.join("ffi"))
         .with_after_include(numbers(root)? + "\n" + &tables::definitions());
-    for file in ENUMERATIONS {
+    for file in TYPES {
         builder = builder.with_src(root.join(file));
     }
     // Types end in _t; their enumerators need not.

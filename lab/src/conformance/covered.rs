@@ -51,7 +51,7 @@ impl Default for Covered {
         Self {
             ticks: 0,
             states: counts(&State::ALL.map(State::name)),
-            transitions: counts(&TRANSITIONS.map(|row| row.name)),
+            transitions: TRANSITIONS.iter().map(|row| (row.to_string(), 0)).collect(),
             faults: counts(&FaultWord::all().iter_names().map(|(name, _)| name).collect::<Vec<_>>()),
             events: counts(&EVENTS),
         }
@@ -85,10 +85,8 @@ impl Covered {
             count(&mut covered.states, state.name(), ticks);
         }
         // Rows of one name lead from the same state to the same state.
-        for name in covered.transitions.clone().into_keys() {
-            if let Some(row) = TRANSITIONS.iter().find(|row| row.name == name) {
-                count(&mut covered.transitions, &name, steps[row.from as usize][row.to as usize]);
-            }
+        for row in &TRANSITIONS {
+            covered.transitions.insert(row.to_string(), steps[row.from as usize][row.to as usize]);
         }
         faults.iter_names().for_each(|(name, _)| count(&mut covered.faults, name, 1));
         EVENTS.into_iter().zip(events).for_each(|(name, times)| count(&mut covered.events, name, times));

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 
 import narx
-from narx.cli import bench, decode, live, log, motor, params, replay, scope, sweep, update  # noqa: F401
+from narx.cli import bench, coefficients, decode, live, log, motor, params, replay, scope, sweep, update  # noqa: F401
 from narx.cli.app import app, err
 
 

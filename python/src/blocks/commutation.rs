@@ -1,6 +1,7 @@
 //! Six-step commutation.
 
 use super::{Column, direction, member, numbers, same_length, step};
+use crate::coefficients::constant;
 use crate::error;
 use crate::state::words;
 use narx_core::blocks::engineering::{ADVANCE, instant, position};
@@ -42,6 +43,14 @@ impl Commutation {
             Ok(Core::build(&CommutationSettings { advance_cdeg, earliest })?)
         })?;
         Ok(Self { core, tick_rate })
+    }
+
+    /// Returns the coefficients as the definition of a C99 constant, for `narx_commutation_init_ready`.
+    ///
+    /// Raises ParameterError for a name that is none in C.
+    #[pyo3(signature = (name="commutation"))]
+    fn to_c(&self, name: &str) -> PyResult<String> {
+        constant("narx_commutator_coefficients_t", name, self.core.ready())
     }
 
     /// Returns the step at the earliest instant of a period, and up to two changes later in it as (instant in

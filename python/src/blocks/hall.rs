@@ -1,6 +1,7 @@
 //! Hall sensors.
 
 use super::{Column, numbers, same_length};
+use crate::coefficients::constant;
 use crate::error;
 use narx_core::blocks::engineering::{HALL_OFFSET, HALL_TIMEOUT, degrees, instant, raw, real};
 use narx_core::blocks::{Hall as Core, HallReading as Reading, HallSettings};
@@ -77,6 +78,14 @@ impl Hall {
             })?)
         })?;
         Ok(Self { core, tick_rate })
+    }
+
+    /// Returns the coefficients as the definition of a C99 constant, for `narx_hall_init_ready`.
+    ///
+    /// Raises ParameterError for a name that is none in C.
+    #[pyo3(signature = (name="hall"))]
+    fn to_c(&self, name: &str) -> PyResult<String> {
+        constant("narx_hall_ready_t", name, self.core.ready())
     }
 
     /// Runs one tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: those of the period that

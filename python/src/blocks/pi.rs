@@ -1,6 +1,7 @@
 //! The PI controller.
 
 use super::{Column, numbers, raws};
+use crate::coefficients::constant;
 use narx_core::blocks::engineering::{gain, raw, real, value_of};
 use narx_core::blocks::{Pi as Core, PiSettings};
 use narx_core::motor::gain::Gain;
@@ -41,6 +42,14 @@ impl Pi {
         })
     }
 
+    /// Returns the coefficients as the definition of a C99 constant, for `narx_pi_init_ready`.
+    ///
+    /// Raises ParameterError for a name that is none in C.
+    #[pyo3(signature = (name="pi"))]
+    fn to_c(&self, name: &str) -> PyResult<String> {
+        constant("narx_pi_ready_t", name, self.core.ready())
+    }
+
     /// Returns the output for one `error`.
     fn step(&mut self, error: f64) -> PyResult<f64> {
         numbers(|| Ok(real(self.core.step(raw("error", error, "")?))))
@@ -79,6 +88,6 @@ impl Pi {
     /// Ki in use, output per error and second: Ki x step time is rounded to 30 bits.
     #[getter]
     fn integral(&self) -> f64 {
-        value_of(self.core.gains().integral) * f64::from(self.step_rate)
+        value_of(self.core.ready().gains.integral) * f64::from(self.step_rate)
     }
 }

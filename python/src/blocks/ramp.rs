@@ -1,6 +1,7 @@
 //! The ramp.
 
 use super::{Column, numbers, raws};
+use crate::coefficients::constant;
 use narx_core::blocks::engineering::{raw, real};
 use narx_core::blocks::{Ramp as Core, RampSettings};
 use numpy::{IntoPyArray, PyArray1};
@@ -31,6 +32,14 @@ impl Ramp {
         })
     }
 
+    /// Returns the coefficients as the definition of a C99 constant, for `narx_ramp_init_ready`.
+    ///
+    /// Raises ParameterError for a name that is none in C.
+    #[pyo3(signature = (name="ramp"))]
+    fn to_c(&self, name: &str) -> PyResult<String> {
+        constant("narx_ramp_ready_t", name, self.core.ready())
+    }
+
     /// Moves one step towards `target`; returns the new value.
     fn step(&mut self, target: f64) -> PyResult<f64> {
         numbers(|| Ok(real(self.core.step(raw("target", target, "")?))))
@@ -59,6 +68,6 @@ impl Ramp {
     /// Steepest change in use, units a second: rounded to the fixed point of a step.
     #[getter]
     fn rate(&self) -> f64 {
-        self.core.rate() as f64 / 4_294_967_296.0 * f64::from(self.step_rate)
+        self.core.ready().rate as f64 / 4_294_967_296.0 * f64::from(self.step_rate)
     }
 }

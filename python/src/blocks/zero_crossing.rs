@@ -1,6 +1,7 @@
 //! Zero crossings.
 
 use super::{Column, direction, numbers, same_length, step};
+use crate::coefficients::constant;
 use crate::error;
 use crate::state::words;
 use narx_core::blocks::engineering::{
@@ -112,6 +113,14 @@ impl ZeroCrossing {
     /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
     fn force_step(&mut self) {
         self.core.force_step();
+    }
+
+    /// Returns the coefficients as the definition of a C99 constant, for `narx_zero_crossing_init_ready`.
+    ///
+    /// Raises ParameterError for a name that is none in C.
+    #[pyo3(signature = (name="zero_crossing"))]
+    fn to_c(&self, name: &str) -> PyResult<String> {
+        constant("narx_zero_crossing_ready_t", name, self.core.ready())
     }
 
     /// Runs one tick. phase_voltage: terminals A, B, C against ground, V. bus_voltage: V. step: the pattern

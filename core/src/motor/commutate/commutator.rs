@@ -3,7 +3,7 @@
 use super::commutation::{Direction, Step, sector_of};
 use super::pwm::{Commutation, Commutations};
 use crate::motor::interval::{SIXTH, part_of};
-use crate::units::{ElectricalAngle, quotient};
+use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
 
 /// A rotor that appears to have fallen back behind a boundary by less than this does not commutate back.
@@ -11,6 +11,7 @@ const HYSTERESIS: i32 = (SIXTH / 4) as i32;
 
 /// Coefficients of the commutator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct CommutatorCoefficients {
     /// First instant of a period at which a pattern can change, in 1/65 536.
     pub earliest: u16,
@@ -173,8 +174,25 @@ pub fn time_in(
     if speed == 0 {
         return None;
     }
-    let time = quotient(i64::from(ahead) << 16, speed.unsigned_abs().into());
-    Some(time.min(u32::MAX.into()) as u32)
+    Some(time_to(ahead, speed.unsigned_abs()))
+}
+
+/// `ahead / per_tick`, 16 fraction bits, saturating: bit by bit, because dividing 64 bits takes more flash.
+const fn time_to(ahead: u32, per_tick: u32) -> u32 {
+    let (Some(mut time), Some(mut rest)) = (ahead.checked_div(per_tick), ahead.checked_rem(per_tick)) else {
+        return u32::MAX;
+    };
+    if time > 0xFFFF {
+        return u32::MAX;
+    }
+    let mut bits = 0;
+    while bits < 16 {
+        (time, rest, bits) = (time << 1, rest << 1, bits + 1);
+        if rest >= per_tick {
+            (time, rest) = (time | 1, rest - per_tick);
+        }
+    }
+    time
 }
 
 /// The angle at which a rotor turning with `speed` enters `sector`.

@@ -4,7 +4,6 @@
 use super::{Control, ControlCoefficients, MOTORING};
 use crate::motor::gain::Gain;
 use crate::motor::sense::measurement::{Measured, Measurement};
-use crate::units::{quotient, saturate64};
 use serde::{Deserialize, Serialize};
 
 /// Speed and voltage at which a motor began to coast.
@@ -54,8 +53,7 @@ impl Control {
             }
             Some(from) if self.speed_error >= 0 => {
                 self.coasting = None;
-                let left = quotient(i64::from(from.voltage) * i64::from(speed), from.speed.max(1).into());
-                self.take_over(saturate64(left.min(from.voltage.into())));
+                self.take_over(part(from.voltage, speed, from.speed));
                 // No slew from 0: on the way up the switches would brake the motor.
                 self.output.duty = measurement.duty(self.speed_voltage);
             }
@@ -107,4 +105,12 @@ impl Control {
 pub(super) fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
     let current = measured.bus_current_filtered.to_bits();
     current < RETURN || (measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING)
+}
+
+/// `voltage x speed / from`, at most `voltage`, for speeds that are not negative: by the 15 highest bits of
+/// the speeds, so that 32 bits hold the division.
+fn part(voltage: i32, speed: i32, from: i32) -> i32 {
+    let spare = 17_u32.saturating_sub(from.leading_zeros());
+    let share = ((speed.min(from) >> spare) << 15) / (from >> spare).max(1);
+    ((i64::from(voltage) * i64::from(share)) >> 15) as i32
 }

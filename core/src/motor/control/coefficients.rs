@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct ControlCoefficients {
     /// Ticks in a millisecond.
     pub ticks_per_ms: u16,
@@ -43,6 +44,7 @@ impl ControlCoefficients {
 
 /// Coefficients of one closed-loop mode. Speeds are raw I16F16 electrical rev/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct ModeCoefficients {
     /// Speed loop, volts per electrical rev/s, per millisecond.
     pub speed: PiGains,

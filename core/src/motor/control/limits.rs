@@ -36,6 +36,7 @@ pub enum Limiter {
 
 /// Coefficients of the current limits, raw I16F16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct LimitCoefficients {
     /// Limit at the beginning of a start (parameter 105), A.
     pub soft_start: i32,

@@ -16,8 +16,9 @@ const fn is_small(part: i64) -> bool {
     -HIGH <= high && high < HIGH
 }
 
-/// Gains of a [`Pi`], built for one step rate.
+/// Gains of a PI controller, built for one step rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct PiGains {
     /// Output per error.
     pub proportional: Gain,

@@ -1,6 +1,7 @@
 //! The pattern that a state applies, and the command that it becomes.
 
 use super::Drive;
+use crate::motor::coefficients::Coefficients;
 use crate::motor::commutate::commutation::Step;
 use crate::motor::commutate::pwm::{Commutations, Rectification};
 use crate::motor::control::Demand;
@@ -166,16 +167,6 @@ impl Drive {
         (self.applied.duty, self.applied.rectification) = (duty, rectification);
     }
 
-    /// Duties from which the on-time is sampled, and below which the off-time is, raw U1F15.
-    pub(super) fn sampling_limits(&self) -> (u16, u16) {
-        if matches!(self.rotor.source(), Source::Halls | Source::Field) {
-            // Without an eye on back-EMF there is no need to go that far.
-            return (ON_ABOVE, OFF_BELOW);
-        }
-        let shortest = self.coefficients.control.duty_min.max(ON_TIME_LEAST);
-        (shortest, shortest - shortest / 8)
-    }
-
     /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one
     /// after it has ended; down to an eighth below the limit the mode stays.
     #[inline]
@@ -194,6 +185,16 @@ impl Drive {
     pub(super) const fn after_pulse(&self, duty: u16) -> u16 {
         duty.saturating_add(self.coefficients.sample_settle)
     }
+}
+
+/// Duties from which the on-time is sampled, and below which the off-time is, raw U1F15.
+pub(super) fn sampling_limits(source: Source, c: &Coefficients) -> (u16, u16) {
+    if matches!(source, Source::Halls | Source::Field) {
+        // Without an eye on back-EMF there is no need to go that far.
+        return (ON_ABOVE, OFF_BELOW);
+    }
+    let shortest = c.control.duty_min.max(ON_TIME_LEAST);
+    (shortest, shortest - shortest / 8)
 }
 
 /// Shortest pulse that is sampled in its middle if parameter 272 allows less: 1 us at 10 kHz, raw U1F15.

@@ -35,6 +35,7 @@ pub struct Health {
 
 /// A limit with hysteresis, raw I16F16. `clear` lies on the safe side of `trip`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Limit {
     /// Beyond this the fault qualifies.
     pub trip: i32,
@@ -46,6 +47,7 @@ pub struct Limit {
 
 /// Coefficients of the fault logic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct ProtectionCoefficients {
     /// Bus over-voltage.
     pub over_voltage: Limit,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Coefficients of the rails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct RailCoefficients {
     /// Volts per raw ampere (parameter 268), 0 unknown.
     pub resistance: Gain,

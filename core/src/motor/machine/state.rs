@@ -1,6 +1,7 @@
 //! The eight states (section 7) and their transitions (Table 7) as one table.
 
 use crate::blind;
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// System states, numbered as the specification numbers them.
@@ -104,8 +105,6 @@ bitflags::bitflags! {
 /// One row: in `from`, when all of `all` and none of `none` hold, go to `to`.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition {
-    /// Name in Table 7; the reversal rows carry the name of the transition they share.
-    pub name: &'static str,
     /// State before.
     pub from: State,
     /// State after.
@@ -116,8 +115,16 @@ pub struct Transition {
     pub none: Conditions,
 }
 
-const fn t(name: &'static str, from: State, to: State, all: Conditions, none: Conditions) -> Transition {
-    Transition { name, from, to, all, none }
+impl fmt::Display for Transition {
+    /// Name in Table 7: the numbers of both states. A reversal shares it with the transition between the same
+    /// states.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "T{}{}", self.from as u8, self.to as u8)
+    }
+}
+
+const fn t(from: State, to: State, all: Conditions, none: Conditions) -> Transition {
+    Transition { from, to, all, none }
 }
 
 const ANY: Conditions = Conditions::empty();
@@ -134,46 +141,45 @@ use State::{
 /// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the
 /// priority: critical fault, Standby request, communication time-out, reversal, time and speed.
 pub const TRANSITIONS: [Transition; 34] = [
-    t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
-    t("T01", Initialization, Standby, C::BOOTED, ANY),
-    t("T16", Standby, Fault, C::CRITICAL, ANY),
-    t("T12", Standby, RotorLock, C::START.union(C::CALIBRATION), IDLE),
-    t("T15", Standby, HallClosedLoop, C::START.union(C::HALL), IDLE),
-    t("T12", Standby, RotorLock, C::START.union(C::SENSORLESS), C::HALL.union(IDLE)),
-    t("T13", Standby, OpenLoop, C::START.union(C::OPEN_LOOP), C::HALL.union(C::SENSORLESS).union(IDLE)),
-    t("T26", RotorLock, Fault, C::CRITICAL, ANY),
-    t("T21", RotorLock, Standby, C::STANDBY, ANY),
-    t("T26", RotorLock, Fault, C::EXPIRED, ANY),
-    t("T21", RotorLock, Standby, C::REVERSAL, ANY),
-    t("T23", RotorLock, OpenLoop, C::ELAPSED, ANY),
-    t("T36", OpenLoop, Fault, C::CRITICAL, ANY),
-    t("T31", OpenLoop, Standby, C::STANDBY, ANY),
-    t("T36", OpenLoop, Fault, C::EXPIRED, ANY),
-    t("T31", OpenLoop, Standby, C::CALIBRATION.union(C::CALIBRATED), ANY),
-    t("T31", OpenLoop, Standby, REVERSED, ANY),
+    t(Initialization, Fault, C::UNHEALTHY, ANY),
+    t(Initialization, Standby, C::BOOTED, ANY),
+    t(Standby, Fault, C::CRITICAL, ANY),
+    t(Standby, RotorLock, C::START.union(C::CALIBRATION), IDLE),
+    t(Standby, HallClosedLoop, C::START.union(C::HALL), IDLE),
+    t(Standby, RotorLock, C::START.union(C::SENSORLESS), C::HALL.union(IDLE)),
+    t(Standby, OpenLoop, C::START.union(C::OPEN_LOOP), C::HALL.union(C::SENSORLESS).union(IDLE)),
+    t(RotorLock, Fault, C::CRITICAL, ANY),
+    t(RotorLock, Standby, C::STANDBY, ANY),
+    t(RotorLock, Fault, C::EXPIRED, ANY),
+    t(RotorLock, Standby, C::REVERSAL, ANY),
+    t(RotorLock, OpenLoop, C::ELAPSED, ANY),
+    t(OpenLoop, Fault, C::CRITICAL, ANY),
+    t(OpenLoop, Standby, C::STANDBY, ANY),
+    t(OpenLoop, Fault, C::EXPIRED, ANY),
+    t(OpenLoop, Standby, C::CALIBRATION.union(C::CALIBRATED), ANY),
+    t(OpenLoop, Standby, REVERSED, ANY),
     t(
-        "T34",
         OpenLoop,
         SensorlessClosedLoop,
         C::ELAPSED.union(C::SENSORLESS),
         C::HALL.union(C::CALIBRATION).union(C::REVERSAL),
     ),
-    t("T46", SensorlessClosedLoop, Fault, C::CRITICAL, ANY),
-    t("T41", SensorlessClosedLoop, Standby, C::STANDBY, ANY),
-    t("T46", SensorlessClosedLoop, Fault, C::EXPIRED, ANY),
-    t("T41", SensorlessClosedLoop, Standby, REVERSED, ANY),
-    t("T47", SensorlessClosedLoop, SensorlessAutoRestart, C::STOPPED, C::REVERSAL),
-    t("T56", HallClosedLoop, Fault, C::CRITICAL, ANY),
-    t("T51", HallClosedLoop, Standby, C::STANDBY, ANY),
-    t("T56", HallClosedLoop, Fault, C::EXPIRED, ANY),
-    t("T51", HallClosedLoop, Standby, REVERSED, ANY),
-    t("T61", Fault, Standby, C::ACKNOWLEDGED, C::CRITICAL),
-    t("T76", SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
-    t("T71", SensorlessAutoRestart, Standby, C::STANDBY, ANY),
-    t("T76", SensorlessAutoRestart, Fault, C::EXPIRED, ANY),
-    t("T71", SensorlessAutoRestart, Standby, REVERSED, ANY),
-    t("T71", SensorlessAutoRestart, Standby, C::ELAPSED.union(C::STOPPED), ANY),
-    t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
+    t(SensorlessClosedLoop, Fault, C::CRITICAL, ANY),
+    t(SensorlessClosedLoop, Standby, C::STANDBY, ANY),
+    t(SensorlessClosedLoop, Fault, C::EXPIRED, ANY),
+    t(SensorlessClosedLoop, Standby, REVERSED, ANY),
+    t(SensorlessClosedLoop, SensorlessAutoRestart, C::STOPPED, C::REVERSAL),
+    t(HallClosedLoop, Fault, C::CRITICAL, ANY),
+    t(HallClosedLoop, Standby, C::STANDBY, ANY),
+    t(HallClosedLoop, Fault, C::EXPIRED, ANY),
+    t(HallClosedLoop, Standby, REVERSED, ANY),
+    t(Fault, Standby, C::ACKNOWLEDGED, C::CRITICAL),
+    t(SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
+    t(SensorlessAutoRestart, Standby, C::STANDBY, ANY),
+    t(SensorlessAutoRestart, Fault, C::EXPIRED, ANY),
+    t(SensorlessAutoRestart, Standby, REVERSED, ANY),
+    t(SensorlessAutoRestart, Standby, C::ELAPSED.union(C::STOPPED), ANY),
+    t(SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
 
 /// Conditions that a start samples and that hold until the next one: they decide which row fires, never that

@@ -33,6 +33,7 @@ use window::signal;
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct BackEmfCoefficients {
     /// Scale of the phase terminals.
     pub terminal: ChannelScale,

@@ -37,6 +37,7 @@ const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0,
 
 /// Coefficients of the hall station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct HallCoefficients {
     /// Sector by raw code, 0xFF = invalid; built from the wiring.
     pub sectors: [u8; 8],

@@ -29,6 +29,7 @@ pub enum HallCalibration {
 
 /// Coefficients of the calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct HallCalibrationCoefficients {
     /// Speed of the field, 2^-32 turn a tick: half a revolution a second.
     pub speed: u32,

@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 
 /// Coefficients of the open-loop generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct OpenLoopCoefficients {
     /// Speed at the end of the ramp, electrical rev/s, raw I16F16 (parameter 88).
     pub speed: i32,
     /// Rise a millisecond, raw I16F16 with 16 extra bits (parameters 88 and 109).
     pub rate: i64,
     /// Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as
-    /// in [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level).
+    /// `initial_level` of the control's coefficients.
     pub level_start: i32,
     /// Level at the end of the ramp (parameter 87).
     pub level: i32,

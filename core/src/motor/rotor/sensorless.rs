@@ -21,10 +21,10 @@ use crate::motor::ramp::Ramp;
 use crate::motor::sense::samples::Samples;
 use serde::{Deserialize, Serialize};
 
-/// Coefficients of the sensorless station. Times are in ticks, levels as
-/// [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level) has
-/// them.
+/// Coefficients of the sensorless station. Times are in ticks, levels as `initial_level` of the control's
+/// coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct SensorlessCoefficients {
     /// The floating phase.
     pub back_emf: BackEmfCoefficients,

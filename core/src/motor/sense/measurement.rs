@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// One converter channel: `value = (code - zero) x gain + offset`, as one multiplication and one sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct ChannelScale {
     /// Raw I16F16 per code, with 16 extra bits.
     gain: u32,
@@ -84,6 +85,7 @@ impl ChannelScale {
 
 /// Scales of the fast channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct MeasurementScales {
     /// Bus voltage (parameter 14 is its offset).
     pub bus_voltage: ChannelScale,

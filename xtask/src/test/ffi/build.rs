@@ -76,12 +76,12 @@ impl Build {
         steps::run(&mut Command::new(program))
     }
 
-    /// Compiles a program on the simulated board, with the drive of the examples.
-    pub(super) fn compile_on_bench(self, root: &Path, source: &str) -> Outcome {
+    /// Compiles a program on the simulated board, from these source files.
+    pub(super) fn compile_on_bench(self, root: &Path, sources: &[&str]) -> Outcome {
         let mut compiler = self.compiler(root);
         compiler.arg("-I").arg(root.join("ffi/examples")).arg("-I").arg(root.join("tests/c"));
-        compiler.arg(root.join(source)).arg(root.join("ffi/examples/drive.c"));
-        compiler.args(self.libraries(root, BENCH)).arg("-lm").arg("-o").arg(self.program(root, source));
+        compiler.args(sources.iter().map(|source| root.join(source)));
+        compiler.args(self.libraries(root, BENCH)).arg("-lm").arg("-o").arg(self.program(root, sources[0]));
         steps::run(&mut compiler)
     }
 

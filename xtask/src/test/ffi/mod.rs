@@ -43,8 +43,10 @@ const BLOCKS: &str = "tests/c/blocks.c";
 const STORAGE: &str = "tests/c/storage.c";
 /// A drive that spins the simulated motor, commanded by a master.
 const SPIN: &str = "tests/c/spin.c";
+/// The control tick alone turns it.
+const SPIN_ALONE: &str = "tests/c/spin_alone.c";
 /// Programs that check themselves: the tests, and the examples that are whole programs.
-const CHECKS: [&str; 15] = [
+const CHECKS: [&str; 16] = [
     DRIVE,
     PROTOCOL,
     BLOCKS,
@@ -55,6 +57,7 @@ const CHECKS: [&str; 15] = [
     "ffi/examples/hall.c",
     "ffi/examples/master.c",
     "ffi/examples/messages.c",
+    "ffi/examples/motor.c",
     "ffi/examples/pi.c",
     "ffi/examples/ramp.c",
     "ffi/examples/state.c",
@@ -131,14 +134,17 @@ fn microbit(root: &Path) -> Outcome {
 /// it on this machine and on the emulated one.
 fn spin(root: &Path) -> Outcome {
     let mut closing = Vec::new();
-    for arguments in [&[][..], &["--sensorless".to_owned()][..]] {
+    let sensorless = ["--sensorless".to_owned()];
+    for (source, arguments) in
+        [(SPIN, &[][..]), (SPIN, &sensorless), (SPIN_ALONE, &[]), (SPIN_ALONE, &sensorless)]
+    {
         let run = |build: Build| {
-            let text = output(&mut build.start(root, SPIN, arguments))?;
+            let text = output(&mut build.start(root, source, arguments))?;
             Ok::<_, String>(text.lines().next().unwrap_or_default().to_owned())
         };
         let (here, there) = (run(Build::Sanitized)?, run(Build::CortexM4F)?);
         if here != there {
-            return Err(format!("{SPIN}: here {here}, on a Cortex-M4F {there}"));
+            return Err(format!("{source}: here {here}, on a Cortex-M4F {there}"));
         }
         closing.push(here);
     }
@@ -154,7 +160,8 @@ fn programs(root: &Path) -> Outcome {
         }
     }
     for build in [Build::Sanitized, Build::CortexM4F] {
-        build.compile_on_bench(root, SPIN)?;
+        build.compile_on_bench(root, &[SPIN, "ffi/examples/drive.c"])?;
+        build.compile_on_bench(root, &[SPIN_ALONE])?;
     }
     let mut cpp = Command::new("g++");
     cpp.args(["-std=c++17", "-fsyntax-only", "-x", "c++"]).args(STRICT).arg(root.join("ffi/include/narx.h"));
