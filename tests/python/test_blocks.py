@@ -153,3 +153,19 @@ def test_settings_reach_the_ends_of_their_ranges() -> None:
         Hall(offset=offset, timeout=timeout)
     ZeroCrossing(volts_per_code=1e-6, blanking=0.0, back_emf=0.0, timeout=0.0001)
     ZeroCrossing(volts_per_code=0.0625, blanking=0.1, back_emf=1.0, timeout=3.2767)
+
+
+def test_coefficients_are_constants_in_c() -> None:
+    pi = Pi(proportional=0.5, integral=5.0, step_rate=1000, minimum=0.0, maximum=6.0)
+    text = pi.to_c("speed_loop")
+    assert text.startswith("static const narx_pi_ready_t speed_loop = {") and text.endswith("};\n")
+    assert ".minimum = 0,\n    .maximum = 393216," in text
+    for block, kind in [
+        (Ramp(rate=10.0, step_rate=1000), "narx_ramp_ready_t ramp"),
+        (Hall(), "narx_hall_ready_t hall"),
+        (Commutation(advance=5.0), "narx_commutator_coefficients_t commutation"),
+        (ZeroCrossing(), "narx_zero_crossing_ready_t zero_crossing"),
+    ]:
+        assert f"static const {kind} = {{" in block.to_c()
+    with pytest.raises(narx.ParameterError, match='name "a-b": is not a name in C'):
+        pi.to_c("a-b")

@@ -30,19 +30,46 @@ def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[st
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients"):
         assert command in shown.stdout
     assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     "command",
-    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot"],
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients"],
 )
 def test_help_has_examples(command: str) -> None:
     shown = run(*command.split(), "--help", virtual=False)
     text = " ".join(shown.stdout.split())
     assert "Examples narx " in text and f"{command.split()[0]}" in text.split("Examples")[1]
+
+
+def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:
+    example = (VECTORS.parents[1] / "ffi/examples/coefficients.h").read_text()
+    shown = run("coefficients", "--motor", "bly172s-24v", "--mode", "hall", virtual=False)
+    assert shown.stdout == example
+    # The same from a file of parameters; another board has other scales.
+    file, board = tmp_path / "drive.json", tmp_path / "board.toml"
+    file.write_text(json.dumps(narx.Motor.preset("bly172s-24v").commission(24, "hall")))
+    assert run("coefficients", str(file), virtual=False).stdout == example
+    board.write_text("tick_rate = 20000\n[bus_current]\nzero = 100\nmicro_per_code = 500\n")
+    other = run("coefficients", str(file), "--board", str(board), "--name", "pump", virtual=False).stdout
+    assert "narx_coefficients_t pump = {" in other and ".ticks_per_ms = 20," in other and other.count(".gain = 83885006") == 3 and example.count(".gain = 34359738") == 1
+    for argument, message in [
+        ("--name=2nd", 'name "2nd": is not a name in C'),
+        (f"--board={file}", f'file "{file}": '),
+    ]:
+        wrong = run("coefficients", str(file), argument, virtual=False)
+        assert wrong.returncode == 2 and message in wrong.stderr and wrong.stdout == ""
+    with pytest.raises(narx.ParameterError, match='board: has no "rate"'):
+        narx.coefficients({}, {"rate": 1})
+    with pytest.raises(narx.ParameterError, match="tick_rate must be from 1000 to 100000 Hz"):
+        narx.coefficients({}, {"tick_rate": 1})
+    with pytest.raises(narx.ParameterError, match="does not fit the other parameters"):
+        narx.coefficients({"Under-voltage HV threshold": 60.0})
+    with pytest.raises(narx.ParameterError, match="there is no parameter"):
+        narx.coefficients({"nonsense": 1.0})
 
 
 def test_info_and_monitor_speak_json() -> None:

@@ -51,7 +51,8 @@ pub(super) fn share(sections: &mut [Section]) {
 
 /// Checks for one row for each name of the table, and no others; adds the vectors that take the transition.
 fn transitions(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
-    same_keys(section, TRANSITIONS.iter().map(ToString::to_string).collect(), wrong);
+    let names: BTreeSet<String> = TRANSITIONS.iter().map(ToString::to_string).collect();
+    same_keys(section, names.into_iter().collect(), wrong);
     for row in &mut section.rows {
         let Some(found) = TRANSITIONS.iter().find(|found| found.to_string() == row.key) else { continue };
         row.says = format!("{} to {}: {}", found.from as u8, found.to as u8, row.says);
