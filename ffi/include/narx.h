@@ -3314,8 +3314,8 @@ narx_status_t narx_motor_calibrate_hall(struct narx_motor_t *motor,
 // fit each other give NARX_ERROR_PARAMETERS; `error`, which may be NULL, then names one. Not for an
 // interrupt: it divides. Any context.
 //
-// It takes about 10 KB of flash. Where the parameters are known when the program is built, let
-// `narx coefficients` print what this would build.
+// It takes 11 KB of flash, or 30 in a library with the texts of the parameters. Where the parameters are
+// known when the program is built, let `narx coefficients` print what this would build.
 narx_status_t narx_coefficients_build(struct narx_coefficients_t *coefficients,
                                       const struct narx_board_t *board,
                                       const struct narx_stored_t *stored,
