@@ -128,6 +128,9 @@ fn modules(root: &Path) -> Outcome {
     let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
     if let Some(cargo) = cargo_home() {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
+        for registry in fs::read_dir(cargo.join("registry/src")).into_iter().flatten().flatten() {
+            flags.push(format!("--remap-path-prefix={}=cargo", registry.path().display()));
+        }
     }
     for (package, profile, _) in MODULES {
         steps::run(
@@ -159,7 +162,7 @@ fn packages(root: &Path) -> Outcome {
         // The stack lies first in memory, so no address of an object is a small number:
         // `low-memory-unused` may assume that.
         optimise
-            .args(["-Os", "--converge", "--low-memory-unused"])
+            .args(["-Os", "--converge", "--low-memory-unused", "--strip-target-features"])
             .args(FEATURES)
             .arg(&file)
             .arg("-o")

@@ -222,6 +222,7 @@ impl Drive {
 
     /// Makes everything due: the next tick asks every station and every limit. By the law of the tick this
     /// changes no answer.
+    #[inline(never)]
     pub fn wake(&mut self) {
         let now = self.now;
         (self.due, self.pattern_due) = (now, now);

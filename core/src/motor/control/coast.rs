@@ -1,9 +1,10 @@
 //! The bus is never fed: a motor that would return energy coasts, and a rotor that turns already is caught
 //! with diodes.
 
-use super::{Control, ControlCoefficients, MOTORING};
+use super::{Control, ControlCoefficients, MOTORING, share};
 use crate::motor::gain::Gain;
-use crate::motor::sense::measurement::{Measured, Measurement};
+use crate::motor::sense::measurement::{Measured, Measurement, ratio};
+use crate::units::Duty;
 use serde::{Deserialize, Serialize};
 
 /// Speed and voltage at which a motor began to coast.
@@ -53,7 +54,12 @@ impl Control {
             }
             Some(from) if self.speed_error >= 0 => {
                 self.coasting = None;
-                self.take_over(part(from.voltage, speed, from.speed));
+                let left = if speed < from.speed {
+                    ratio(speed as u32, from.speed as u32) as u16
+                } else {
+                    Duty::ONE.to_bits()
+                };
+                self.take_over(share(from.voltage, left));
                 // No slew from 0: on the way up the switches would brake the motor.
                 self.output.duty = measurement.duty(self.speed_voltage);
             }
@@ -105,12 +111,4 @@ impl Control {
 pub(super) fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
     let current = measured.bus_current_filtered.to_bits();
     current < RETURN || (measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING)
-}
-
-/// `voltage x speed / from`, at most `voltage`, for speeds that are not negative: by the 15 highest bits of
-/// the speeds, so that 32 bits hold the division.
-fn part(voltage: i32, speed: i32, from: i32) -> i32 {
-    let spare = 17_u32.saturating_sub(from.leading_zeros());
-    let share = ((speed.min(from) >> spare) << 15) / (from >> spare).max(1);
-    ((i64::from(voltage) * i64::from(share)) >> 15) as i32
 }

@@ -211,13 +211,12 @@ impl Measurement {
     }
 }
 
-/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it: both are shifted
-/// until the bus has 32.
+/// `part / whole` in 1/32 768, for a part below the whole: both are shifted until the whole has 32 bits.
 #[inline]
-const fn ratio(voltage: u32, bus: u32) -> u32 {
-    let shift = (bus | 1).leading_zeros();
+pub(in crate::motor) const fn ratio(part: u32, whole: u32) -> u32 {
+    let shift = (whole | 1).leading_zeros();
     // Of the divisor's 16 bits the highest is set, and it is not 0.
-    ((voltage << shift) >> 1) / (((bus << shift) >> 16) | (1 << 15))
+    ((part << shift) >> 1) / (((whole << shift) >> 16) | (1 << 15))
 }
 
 /// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.
