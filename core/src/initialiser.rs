@@ -140,7 +140,7 @@ macro_rules! numbers {
     };
 }
 
-/// What coefficients do not contain.
+/// Kinds of values that coefficients do not contain.
 macro_rules! refused {
     ($($method:ident($($kind:ty),*) -> $answer:ty;)*) => {
         $(fn $method(self, $(_: $kind),*) -> Result<$answer, Failed> {

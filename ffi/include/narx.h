@@ -3289,8 +3289,8 @@ narx_status_t narx_motor_handle_command(struct narx_motor_t *motor,
                                         uint8_t mode,
                                         int32_t speed);
 
-// Takes a set-point alone, Q16 rev/s as in narx_motor_handle_command: the request stays. It restarts the command
-// time-out, too.
+// Takes a set-point alone, Q16 rev/s as in narx_motor_handle_command: the request stays. It restarts the
+// command time-out, too.
 narx_status_t narx_motor_handle_set_point(struct narx_motor_t *motor,
                                           int32_t speed);
 

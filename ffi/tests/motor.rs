@@ -31,8 +31,8 @@ fn to_c(samples: &Samples) -> narx_samples_t {
     }
 }
 
-/// Gives the motor an event. `false` for one that only a node has: a failure of the store or of a self-test, or a
-/// rejected set.
+/// Gives the motor an event. `false` for one that only a node has: a failure of the store or of a self-test,
+/// or a rejected set.
 fn take(motor: *mut narx_motor_t, event: &Event) -> bool {
     // SAFETY: the motor is valid, as are the coefficients.
     let status = unsafe {

@@ -1,5 +1,6 @@
 //! Committed files that follow from the code, and that the tests compare with it: the CAN database, the EDS,
-//! the C header, coefficients of an example, the table of coverage, the pictures of the README and the page of evidence.
+//! the C header, coefficients for examples in C, the table of coverage, the pictures of the README, and the
+//! page of evidence.
 
 #![forbid(unsafe_code)]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Ramp",
-    "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "dbc", "decode", "decode_node", "eds",
+    "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
     "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "parameter_number",
     "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "xml",
 ]  # fmt: skip

@@ -179,13 +179,13 @@ static void ready_made_coefficients_are_those_of_the_settings(void)
     static const narx_ramp_settings_t slope = {100 * NARX_Q16_ONE, 1000};
     static const narx_commutation_settings_t advance = {500, 8192};
     static const uint8_t codes[6] = {1, 3, 2, 6, 4, 5};
-    static narx_pi_t pi[2];
-    static narx_ramp_t ramp[2];
-    static narx_commutator_t commutator[2];
-    static narx_hall_t hall[2];
-    static narx_zero_crossing_t detector[2];
-    static narx_fault_t fault[2];
-    static narx_state_machine_t machine[2];
+    static narx_pi_t pis[2];
+    static narx_ramp_t ramps[2];
+    static narx_commutator_t commutators[2];
+    static narx_hall_t halls[2];
+    static narx_zero_crossing_t detectors[2];
+    static narx_fault_t faults[2];
+    static narx_state_machine_t machines[2];
     narx_hall_settings_t wiring;
     narx_zero_crossing_settings_t terminals;
     narx_fault_settings_t limits;
@@ -204,22 +204,22 @@ static void ready_made_coefficients_are_those_of_the_settings(void)
     inputs.parameters_fit = 1;
     CHECK(narx_hall_settings_default(&wiring) == NARX_OK && narx_zero_crossing_settings_default(&terminals) == NARX_OK);
     CHECK(narx_fault_settings_default(&limits) == NARX_OK && narx_state_settings_default(&durations) == NARX_OK);
-    CHECK(narx_pi_init_ready(&pi[0], sizeof pi[0], NULL) == NARX_ERROR_NULL);
-    CHECK(narx_pi_init_ready(&pi[0], 8, &pi_ready) == NARX_ERROR_SIZE);
-    CHECK(narx_pi_init(&pi[0], sizeof pi[0], &gains, NULL) == NARX_OK);
-    CHECK(narx_pi_init_ready(&pi[1], sizeof pi[1], &pi_ready) == NARX_OK);
-    CHECK(narx_ramp_init(&ramp[0], sizeof ramp[0], &slope, NULL) == NARX_OK);
-    CHECK(narx_ramp_init_ready(&ramp[1], sizeof ramp[1], &ramp_ready) == NARX_OK);
-    CHECK(narx_commutation_init(&commutator[0], sizeof commutator[0], &advance, NULL) == NARX_OK);
-    CHECK(narx_commutation_init_ready(&commutator[1], sizeof commutator[1], &commutation_ready) == NARX_OK);
-    CHECK(narx_hall_init(&hall[0], sizeof hall[0], &wiring, NULL) == NARX_OK);
-    CHECK(narx_hall_init_ready(&hall[1], sizeof hall[1], &hall_ready) == NARX_OK);
-    CHECK(narx_zero_crossing_init(&detector[0], sizeof detector[0], &terminals, NULL) == NARX_OK);
-    CHECK(narx_zero_crossing_init_ready(&detector[1], sizeof detector[1], &zero_crossing_ready) == NARX_OK);
-    CHECK(narx_fault_init(&fault[0], sizeof fault[0], &limits, NULL) == NARX_OK);
-    CHECK(narx_fault_init_ready(&fault[1], sizeof fault[1], &fault_ready) == NARX_OK);
-    CHECK(narx_state_init(&machine[0], sizeof machine[0], &durations, NULL) == NARX_OK);
-    CHECK(narx_state_init_ready(&machine[1], sizeof machine[1], &state_ready) == NARX_OK);
+    CHECK(narx_pi_init_ready(&pis[0], sizeof pis[0], NULL) == NARX_ERROR_NULL);
+    CHECK(narx_pi_init_ready(&pis[0], 8, &pi_ready) == NARX_ERROR_SIZE);
+    CHECK(narx_pi_init(&pis[0], sizeof pis[0], &gains, NULL) == NARX_OK);
+    CHECK(narx_pi_init_ready(&pis[1], sizeof pis[1], &pi_ready) == NARX_OK);
+    CHECK(narx_ramp_init(&ramps[0], sizeof ramps[0], &slope, NULL) == NARX_OK);
+    CHECK(narx_ramp_init_ready(&ramps[1], sizeof ramps[1], &ramp_ready) == NARX_OK);
+    CHECK(narx_commutation_init(&commutators[0], sizeof commutators[0], &advance, NULL) == NARX_OK);
+    CHECK(narx_commutation_init_ready(&commutators[1], sizeof commutators[1], &commutation_ready) == NARX_OK);
+    CHECK(narx_hall_init(&halls[0], sizeof halls[0], &wiring, NULL) == NARX_OK);
+    CHECK(narx_hall_init_ready(&halls[1], sizeof halls[1], &hall_ready) == NARX_OK);
+    CHECK(narx_zero_crossing_init(&detectors[0], sizeof detectors[0], &terminals, NULL) == NARX_OK);
+    CHECK(narx_zero_crossing_init_ready(&detectors[1], sizeof detectors[1], &zero_crossing_ready) == NARX_OK);
+    CHECK(narx_fault_init(&faults[0], sizeof faults[0], &limits, NULL) == NARX_OK);
+    CHECK(narx_fault_init_ready(&faults[1], sizeof faults[1], &fault_ready) == NARX_OK);
+    CHECK(narx_state_init(&machines[0], sizeof machines[0], &durations, NULL) == NARX_OK);
+    CHECK(narx_state_init_ready(&machines[1], sizeof machines[1], &state_ready) == NARX_OK);
     for (tick = 0; tick < 6000; tick++) {
         const int sector = tick / 25 % 6;
         int32_t output[2];
@@ -227,7 +227,7 @@ static void ready_made_coefficients_are_those_of_the_settings(void)
         narx_hall_reading_t reading[2];
         narx_steps_t steps[2];
         narx_zero_crossing_reading_t received[2];
-        narx_faults_t faults[2];
+        narx_faults_t words[2];
         narx_change_t change[2];
         narx_status_t fired[2];
         int i;
@@ -238,22 +238,22 @@ static void ready_made_coefficients_are_those_of_the_settings(void)
         }
         evidence.bus_voltage = tick < 3000 ? 24 * NARX_Q16_ONE : 70 * NARX_Q16_ONE;
         for (i = 0; i < 2; i++) {
-            CHECK_QUIETLY(narx_pi_step(&pi[i], (500 - tick) * 256, &output[i]) == NARX_OK);
-            CHECK_QUIETLY(narx_ramp_step(&ramp[i], tick < 3000 ? 90 * NARX_Q16_ONE : 0, &value[i]) == NARX_OK);
-            CHECK_QUIETLY(narx_hall_step(&hall[i], codes[sector], NULL, 0, &reading[i]) == NARX_OK);
-            CHECK_QUIETLY(narx_commutation_step(&commutator[i], reading[i].angle, reading[i].turn_speed, 0, &steps[i]) == NARX_OK);
-            CHECK_QUIETLY(narx_zero_crossing_step(&detector[i], &samples, &coasting, 0, &received[i]) == NARX_OK);
-            CHECK_QUIETLY(narx_fault_step(&fault[i], &evidence, &faults[i]) >= 0);
-            fired[i] = narx_state_step(&machine[i], &inputs, &change[i]);
+            CHECK_QUIETLY(narx_pi_step(&pis[i], (500 - tick) * 256, &output[i]) == NARX_OK);
+            CHECK_QUIETLY(narx_ramp_step(&ramps[i], tick < 3000 ? 90 * NARX_Q16_ONE : 0, &value[i]) == NARX_OK);
+            CHECK_QUIETLY(narx_hall_step(&halls[i], codes[sector], NULL, 0, &reading[i]) == NARX_OK);
+            CHECK_QUIETLY(narx_commutation_step(&commutators[i], reading[i].angle, reading[i].turn_speed, 0, &steps[i]) == NARX_OK);
+            CHECK_QUIETLY(narx_zero_crossing_step(&detectors[i], &samples, &coasting, 0, &received[i]) == NARX_OK);
+            CHECK_QUIETLY(narx_fault_step(&faults[i], &evidence, &words[i]) >= 0);
+            fired[i] = narx_state_step(&machines[i], &inputs, &change[i]);
         }
         CHECK_QUIETLY(output[0] == output[1] && value[0] == value[1]);
         CHECK_QUIETLY(reading[0].angle == reading[1].angle && reading[0].speed == reading[1].speed);
         CHECK_QUIETLY(steps[0].step == steps[1].step && steps[0].commutation_count == steps[1].commutation_count);
         CHECK_QUIETLY(received[0].angle == received[1].angle && received[0].speed == received[1].speed);
-        CHECK_QUIETLY(faults[0].word == faults[1].word);
+        CHECK_QUIETLY(words[0].word == words[1].word);
         CHECK_QUIETLY(fired[0] == fired[1] && (fired[0] != NARX_OK || change[0].to == change[1].to));
         if (tick == 5999) {
-            CHECK(reading[1].speed > 60 * NARX_Q16_ONE && received[1].speed > 60 * NARX_Q16_ONE && faults[1].word != 0);
+            CHECK(reading[1].speed > 60 * NARX_Q16_ONE && received[1].speed > 60 * NARX_Q16_ONE && words[1].word != 0);
         }
     }
 }

@@ -3,9 +3,9 @@
 //!
 //! A block is a station of [`motor`](crate::motor) together with its coefficients. Its settings are
 //! engineering figures; `build` checks them, and an error names the setting, its value and its range. That
-//! takes more flash than the station: `new` takes coefficients that were built elsewhere, as `ready` shows them. `step`
-//! cannot fail. It calls the very station that the drive calls, so a block answers what a drive with the same
-//! figures answers, bit for bit.
+//! takes more flash than the station: `new` takes coefficients that were built elsewhere, as `ready` shows
+//! them. `step` cannot fail. It calls the very station that the drive calls, so a block answers what a drive
+//! with the same figures answers, bit for bit.
 //!
 //! ```text
 //!  codes, edges ----> Hall ----------+                             voltages, currents, lines

@@ -80,8 +80,8 @@ pub unsafe extern "C" fn narx_motor_handle_command(
     pointer::status(run())
 }
 
-/// Takes a set-point alone, Q16 rev/s as in narx_motor_handle_command: the request stays. It restarts the command
-/// time-out, too.
+/// Takes a set-point alone, Q16 rev/s as in narx_motor_handle_command: the request stays. It restarts the
+/// command time-out, too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_motor_handle_set_point(motor: *mut narx_motor_t, speed: i32) -> narx_status_t {
     let speed = ElectricalSpeed::from_bits(speed);

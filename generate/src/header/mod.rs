@@ -1,5 +1,5 @@
-//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and coefficients, and the core's
-//! tables.
+//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and coefficients,
+//! and the core's tables.
 
 mod tables;
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, cast
 
 import typer
 
@@ -35,7 +35,7 @@ def coefficients(
     if parameters is None:
         preset = narx.Motor.preset(motor)
         volts = (preset.nominal_voltage or 24.0) if supply is None else supply
-        values: dict[str, Any] = preset.commission(volts, mode)
+        values: dict[str, Any] = preset.commission(volts, cast("Literal['sensorless', 'hall', 'open-loop']", mode))
     else:
         values = read(parameters, json.loads)
     print(narx.coefficients(values, None if board is None else read(board, tomllib.loads), name), end="")
