@@ -160,12 +160,12 @@ def test_coefficients_are_constants_in_c() -> None:
     text = pi.to_c("speed_loop")
     assert text.startswith("static const narx_pi_ready_t speed_loop = {") and text.endswith("};\n")
     assert ".minimum = 0,\n    .maximum = 393216," in text
-    for block, kind in [
-        (Ramp(rate=10.0, step_rate=1000), "narx_ramp_ready_t ramp"),
-        (Hall(), "narx_hall_ready_t hall"),
-        (Commutation(advance=5.0), "narx_commutator_coefficients_t commutation"),
-        (ZeroCrossing(), "narx_zero_crossing_ready_t zero_crossing"),
+    for text, kind in [
+        (Ramp(rate=10.0, step_rate=1000).to_c(), "narx_ramp_ready_t ramp"),
+        (Hall().to_c(), "narx_hall_ready_t hall"),
+        (Commutation(advance=5.0).to_c(), "narx_commutator_coefficients_t commutation"),
+        (ZeroCrossing().to_c(), "narx_zero_crossing_ready_t zero_crossing"),
     ]:
-        assert f"static const {kind} = {{" in block.to_c()
+        assert f"static const {kind} = {{" in text
     with pytest.raises(narx.ParameterError, match='name "a-b": is not a name in C'):
         pi.to_c("a-b")
