@@ -1,4 +1,4 @@
-//! C99 initialisers of coefficients: what a desk has built becomes a constant of a C program.
+//! C99 initialisers of coefficients: a desk computes them, and a C program has them as a constant.
 
 use crate::motor::Coefficients;
 use crate::motor::drive::BEHAVIOUR_VERSION;

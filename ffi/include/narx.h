@@ -3267,7 +3267,7 @@ narx_status_t narx_message_encode(const struct narx_message_t *message,
                                   struct narx_frame_t *frame);
 
 // Makes a control at power-up, in Initialization, in `size` bytes of memory. `coefficients` are those that
-// `narx coefficients` has printed, or narx_coefficients_build has built: they are copied.
+// `narx coefficients` has printed, or narx_coefficients_build has built. They are copied, and not checked.
 narx_status_t narx_motor_init(struct narx_motor_t *motor,
                               size_t size,
                               const struct narx_coefficients_t *coefficients);
@@ -3301,8 +3301,8 @@ narx_status_t narx_motor_handle_inputs(struct narx_motor_t *motor,
                                        int32_t pressure);
 
 // Takes other coefficients, in any state: they hold from the next tick on.
-narx_status_t narx_motor_change(struct narx_motor_t *motor,
-                                const struct narx_coefficients_t *coefficients);
+narx_status_t narx_motor_change_coefficients(struct narx_motor_t *motor,
+                                             const struct narx_coefficients_t *coefficients);
 
 // The next start finds the wiring of the hall sensors instead of running the motor (`run` is not 0), or runs
 // it again (0). narx_motor_report_t shows the result.
@@ -3312,7 +3312,7 @@ narx_status_t narx_motor_calibrate_hall(struct narx_motor_t *motor,
 // Builds coefficients from parameters: the factory's, and `count` others, raw with the units and scales of
 // PROTOCOL.md. `stored` may be NULL if `count` is 0, `board` for the default board. Parameters that do not
 // fit each other give NARX_ERROR_PARAMETERS; `error`, which may be NULL, then names one. Not for an
-// interrupt: it divides. Any context.
+// interrupt: it divides.
 //
 // It takes 11 KB of flash, or 30 in a library with the texts of the parameters. Where the parameters are
 // known when the program is built, let `narx coefficients` print what this would build.

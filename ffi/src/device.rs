@@ -117,12 +117,7 @@ pub unsafe extern "C" fn narx_drive_init_stored(
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
         let identity = if identity.is_null() { Identity::default() } else { pointer::read(identity)?.into() };
-        let mut parameters = Parameters::new();
-        if count > 0 {
-            for narx_stored_t { number, value } in pointer::slice(stored, count)? {
-                parameters.set(*number, *value)?;
-            }
-        }
+        let parameters = parameters(stored, count)?;
         init(drive, size, board, identity, parameters)
     };
     pointer::status(run())
@@ -242,6 +237,34 @@ unsafe fn poll(
     pointer::status(run())
 }
 
+/// Returns the factory's parameters with `count` stored ones in their place.
+///
+/// # Safety
+/// `stored` is NULL, misaligned, or points to `count` parameters.
+pub(crate) unsafe fn parameters(
+    stored: *const narx_stored_t,
+    count: usize,
+) -> Result<Parameters, narx_status_t> {
+    let mut parameters = Parameters::new();
+    if count > 0 {
+        // SAFETY: the caller's promise.
+        for narx_stored_t { number, value } in unsafe { pointer::slice(stored, count)? } {
+            parameters.set(*number, *value)?;
+        }
+    }
+    Ok(parameters)
+}
+
+/// Returns the caller's board, or the default one for NULL.
+///
+/// # Safety
+/// `board` is NULL, misaligned, or readable.
+pub(crate) unsafe fn board(board: *const narx_board_t) -> Result<Board, narx_status_t> {
+    // SAFETY: the caller's promise.
+    let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
+    if board.is_plausible() { Ok(board) } else { Err(NARX_ERROR_BOARD) }
+}
+
 /// # Safety
 /// `drive` and `board` are NULL or valid, and nothing else uses the drive.
 pub(crate) unsafe fn init(
@@ -257,9 +280,9 @@ pub(crate) unsafe fn init(
         return Err(NARX_ERROR_SIZE);
     }
     // SAFETY: the caller's promise.
-    let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
+    let board = unsafe { self::board(board)? };
     // A plausible board must give a controller with the factory parameters.
-    if !board.is_plausible() || Coefficients::build(&Parameters::new(), &board).is_err() {
+    if Coefficients::build(&Parameters::new(), &board).is_err() {
         return Err(NARX_ERROR_BOARD);
     }
     // SAFETY: aligned and large enough, as just checked. Each part is written before a reference to it is

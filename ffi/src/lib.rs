@@ -9,10 +9,10 @@
 //!   pwm         outputs of the tick               narx_pwm_command_t
 //!   frame       CAN frames                        narx_frame_t
 //!   device      the drive in the caller's memory  narx_drive_*
-//!   motor       the control tick alone               narx_motor_*, narx_coefficients_build
 //!   inputs      its slow inputs and outputs       narx_drive_*
 //!   scope       the memory of its virtual scope   narx_scope_*
 //!   storage     its flash                         narx_storage_*
+//!   motor       its control tick alone            narx_motor_*, narx_coefficients_build
 //!   message     NarMotion-X messages              narx_message_*
 //!   master      the master of a drive             narx_master_*
 //!   blocks      the drive's blocks, one by one    narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,

@@ -93,6 +93,29 @@ impl TryFrom<&narx_samples_t> for Samples {
     }
 }
 
+impl From<&Samples> for narx_samples_t {
+    fn from(samples: &Samples) -> Self {
+        let mut edges = [narx_edge_t { instant: 0, source: 0, code: 0 }; NARX_EDGES_MAX];
+        for (to, Edge { instant, source, code }) in edges.iter_mut().zip(&samples.edges) {
+            *to = narx_edge_t { instant: *instant, source: *source as u8, code: *code };
+        }
+        Self {
+            tick: samples.tick,
+            phase_voltage: samples.phase_voltage,
+            bus_voltage: samples.bus_voltage,
+            bus_current: samples.bus_current,
+            skew: samples.skew,
+            sample_mode: samples.sample_mode as u8,
+            current_mode: samples.current_mode as u8,
+            hall: samples.hall,
+            lines: samples.lines.bits(),
+            edge_count: samples.edges.len() as u8,
+            edges_lost: samples.edges_lost,
+            edges,
+        }
+    }
+}
+
 /// Converts at most [`NARX_EDGES_MAX`] edges.
 pub(crate) fn edges(edges: &[narx_edge_t]) -> Result<Vec<Edge, EDGES_MAX>, narx_status_t> {
     let mut converted = Vec::new();

@@ -4,32 +4,11 @@
 use narx::narx_status_t::NARX_OK;
 use narx::*;
 use narx_core::motor::machine::event::Health;
-use narx_core::motor::{Coefficients, Drive, Event, RunRequest, Samples};
+use narx_core::motor::{Coefficients, Drive, Event, RunRequest};
 use narx_core::recording::{Recording, Tick};
 use std::fs;
 use std::mem::MaybeUninit;
 use std::path::Path;
-
-fn to_c(samples: &Samples) -> narx_samples_t {
-    let mut edges = [narx_edge_t { instant: 0, source: 0, code: 0 }; NARX_EDGES_MAX];
-    for (to, from) in edges.iter_mut().zip(&samples.edges) {
-        *to = narx_edge_t { instant: from.instant, source: from.source as u8, code: from.code };
-    }
-    narx_samples_t {
-        tick: samples.tick,
-        phase_voltage: samples.phase_voltage,
-        bus_voltage: samples.bus_voltage,
-        bus_current: samples.bus_current,
-        skew: samples.skew,
-        sample_mode: samples.sample_mode as u8,
-        current_mode: samples.current_mode as u8,
-        hall: samples.hall,
-        lines: samples.lines.bits(),
-        edge_count: samples.edges.len() as u8,
-        edges_lost: samples.edges_lost,
-        edges,
-    }
-}
 
 /// Gives the motor an event. `false` for one that only a node has: a failure of the store or of a self-test,
 /// or a rejected set.
@@ -47,7 +26,7 @@ fn take(motor: *mut narx_motor_t, event: &Event) -> bool {
                 narx_motor_handle_command(motor, mode, command.speed.to_bits())
             }
             Event::SetPoint(speed) => narx_motor_handle_set_point(motor, speed.to_bits()),
-            Event::Coefficients(coefficients) => narx_motor_change(motor, coefficients),
+            Event::Coefficients(coefficients) => narx_motor_change_coefficients(motor, coefficients),
             Event::Slow(slow) => {
                 narx_motor_handle_inputs(motor, slow.temperature.to_bits(), slow.pressure.to_bits())
             }
@@ -84,7 +63,10 @@ fn compare(name: &str, recording: &Recording<'_>) -> Option<u64> {
         let (mut command, mut report) = (MaybeUninit::zeroed(), MaybeUninit::<narx_motor_report_t>::zeroed());
         // SAFETY: all pointers are valid, and the calls write what is read.
         let (command, report, is_due) = unsafe {
-            assert_eq!(narx_motor_step(motor, &to_c(&samples), command.as_mut_ptr()), NARX_OK);
+            assert_eq!(
+                narx_motor_step(motor, &narx_samples_t::from(&samples), command.as_mut_ptr()),
+                NARX_OK
+            );
             let is_due = narx_motor_poll_report(motor, report.as_mut_ptr()) == NARX_OK;
             (command.assume_init(), report.assume_init(), is_due)
         };

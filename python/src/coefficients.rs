@@ -4,10 +4,11 @@ use crate::bench::numbered;
 use crate::error;
 use narx_core::dictionary::{Parameters, engineering};
 use narx_core::initialiser;
-use narx_core::motor::{Board, Channel, Coefficients, Equipment};
+use narx_core::motor::{Board, Channel, Coefficients, Equipment, FrontEnd};
 use pyo3::prelude::*;
-use pyo3::types::{PyMapping, PyString};
+use pyo3::types::PyMapping;
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// Returns the coefficients that a drive with these `parameters` builds on a `board`, as a C99 header for
 /// `narx_motor_init`: name or number -> value in its unit; the others have their factory values. `board` has
@@ -46,45 +47,57 @@ fn checked(name: &str) -> PyResult<&str> {
     initialiser::is_identifier(name).then_some(name).ok_or_else(error)
 }
 
-/// Returns the default board with what `given` changes.
+/// Returns the default board with what `given` changes. Ranges are those of `Board::is_plausible`, and of C's
+/// types.
 fn described(given: &Bound<'_, PyMapping>) -> PyResult<Board> {
     let mut board = Board::BENCH;
     for item in given.items()?.iter() {
         let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
         match key.as_str() {
-            "tick_rate" => board.tick_rate = field(&key, &value)?,
-            "earliest" => board.earliest = field(&key, &value)?,
-            "dead_time_ns" => board.dead_time_ns = field(&key, &value)?,
-            "bridge_milliohm" => board.bridge_milliohm = field(&key, &value)?,
-            "hall_capture" => board.hall_capture = field(&key, &value)?,
-            "comparator_capture" => board.comparator_capture = field(&key, &value)?,
-            "equipment" => board.equipment = Equipment::from_bits_truncate(field(&key, &value)?),
+            "tick_rate" => board.tick_rate = whole(&key, &value, 1_000, 100_000)?,
+            "earliest" => board.earliest = whole(&key, &value, 0, u16::MAX.into())?,
+            "dead_time_ns" => board.dead_time_ns = whole(&key, &value, 0, u16::MAX.into())?,
+            "bridge_milliohm" => board.bridge_milliohm = whole(&key, &value, 0, u16::MAX.into())?,
+            "hall_capture" => board.hall_capture = flag(&key, &value)?,
+            "comparator_capture" => board.comparator_capture = flag(&key, &value)?,
+            "equipment" => {
+                let bits = whole(&key, &value, 0, Equipment::all().bits().into())?;
+                board.equipment = Equipment::from_bits_retain(bits);
+            }
             "bus_voltage" => board.front_end.bus_voltage = channel(&key, &value)?,
             "phase_voltage" => board.front_end.phase_voltage = channel(&key, &value)?,
             "bus_current" => board.front_end.bus_current = channel(&key, &value)?,
             _ => return Err(error::parameter(format!("board: has no \"{key}\""))),
         }
     }
-    if board.is_plausible() {
-        Ok(board)
-    } else {
-        Err(error::parameter(format!(
-            "board: no controller fits it: tick_rate must be from 1000 to 100000 Hz, micro_per_code from 1 to {}, \
-             and zero a code of the converter",
-            Channel::MICRO_PER_CODE_MAX
-        )))
-    }
+    Ok(board)
 }
 
 fn channel(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Channel> {
-    let part = |key: &str| {
-        value
-            .get_item(PyString::new(value.py(), key))
-            .map_err(|_| error::parameter(format!("board: {name} must have zero and micro_per_code")))
+    let given: HashMap<String, Bound<'_, PyAny>> = value.extract().unwrap_or_default();
+    let (Some(zero), Some(micro_per_code), 2) = (given.get("zero"), given.get("micro_per_code"), given.len())
+    else {
+        return Err(error::parameter(format!("board: {name} {value}: must have zero and micro_per_code")));
     };
-    Ok(Channel { zero: field(name, &part("zero")?)?, micro_per_code: field(name, &part("micro_per_code")?)? })
+    Ok(Channel {
+        zero: whole(&format!("{name}.zero"), zero, 0, FrontEnd::CODE_MAX.into())?,
+        micro_per_code: whole(
+            &format!("{name}.micro_per_code"),
+            micro_per_code,
+            1,
+            Channel::MICRO_PER_CODE_MAX.into(),
+        )?,
+    })
 }
 
-fn field<'py, T: FromPyObjectOwned<'py>>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<T> {
-    value.extract().map_err(|_| error::parameter(format!("board: {name} {value} does not fit")))
+fn whole<T: TryFrom<i64>>(name: &str, value: &Bound<'_, PyAny>, min: i64, max: i64) -> PyResult<T> {
+    let number = value.extract().ok().filter(|number| (min..=max).contains(number));
+    number.and_then(|number| T::try_from(number).ok()).ok_or_else(|| {
+        error::parameter(format!("board: {name} {value}: must be a whole number from {min} to {max}"))
+    })
+}
+
+fn flag(name: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let error = |_| error::parameter(format!("board: {name} {value}: must be true or false"));
+    value.extract().map_err(error)
 }

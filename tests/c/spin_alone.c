@@ -112,7 +112,7 @@ int main(int argc, char **argv)
     alike = 0;
     /* New coefficients hold at once: an over-voltage limit below the bus stops the motor. */
     from_parameters.protection.over_voltage.trip = 10 * NARX_Q16_ONE;
-    CHECK(narx_motor_change(&motor, &from_parameters) == NARX_OK);
+    CHECK(narx_motor_change_coefficients(&motor, &from_parameters) == NARX_OK);
     run(DRIVE, 100, &report);
     CHECK(report.state == NARX_STATE_FAULT && report.critical != 0);
     return report_checks();

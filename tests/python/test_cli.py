@@ -49,7 +49,7 @@ def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:
     example = (VECTORS.parents[1] / "ffi/examples/coefficients.h").read_text()
     shown = run("coefficients", "--motor", "bly172s-24v", "--mode", "hall", virtual=False)
     assert shown.stdout == example
-    # The same from a file of parameters; another board has other scales.
+    # A parameter file gives the same header. Another board has other scales.
     file, board = tmp_path / "drive.json", tmp_path / "board.toml"
     file.write_text(json.dumps(narx.Motor.preset("bly172s-24v").commission(24, "hall")))
     assert run("coefficients", str(file), virtual=False).stdout == example
@@ -59,13 +59,21 @@ def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:
     for argument, message in [
         ("--name=2nd", 'name "2nd": is not a name in C'),
         (f"--board={file}", f'file "{file}": '),
+        ("--supply=24", "--supply: belongs to a preset"),
     ]:
         wrong = run("coefficients", str(file), argument, virtual=False)
         assert wrong.returncode == 2 and message in wrong.stderr and wrong.stdout == ""
     with pytest.raises(narx.ParameterError, match='board: has no "rate"'):
         narx.coefficients({}, {"rate": 1})
-    with pytest.raises(narx.ParameterError, match="tick_rate must be from 1000 to 100000 Hz"):
-        narx.coefficients({}, {"tick_rate": 1})
+    for board_of_mine, told in [
+        ({"tick_rate": 1}, "tick_rate 1: must be a whole number from 1000 to 100000"),
+        ({"equipment": 128}, "equipment 128: must be a whole number from 0 to 127"),
+        ({"hall_capture": 2}, "hall_capture 2: must be true or false"),
+        ({"bus_current": {"zero": 4096, "micro_per_code": 1}}, "bus_current.zero 4096: must be a whole number from 0 to 4095"),
+        ({"bus_current": {"zero": 0}}, "must have zero and micro_per_code"),
+    ]:
+        with pytest.raises(narx.ParameterError, match=told):
+            narx.coefficients({}, board_of_mine)
     with pytest.raises(narx.ParameterError, match="does not fit the other parameters"):
         narx.coefficients({"Under-voltage HV threshold": 60.0})
     with pytest.raises(narx.ParameterError, match="there is no parameter"):

@@ -164,7 +164,7 @@ impl Drive {
         match event {
             Event::Command(command) => self.handle_command(*command),
             Event::SetPoint(speed) => self.handle_set_point(*speed),
-            Event::Coefficients(coefficients) => self.change(coefficients),
+            Event::Coefficients(coefficients) => self.change_coefficients(coefficients),
             Event::CoefficientsRejected => {
                 self.parameters_fit = false;
                 self.wake();
@@ -206,7 +206,7 @@ impl Drive {
     }
 
     /// Takes other coefficients.
-    pub fn change(&mut self, coefficients: &Coefficients) {
+    pub fn change_coefficients(&mut self, coefficients: &Coefficients) {
         self.rotor.change_wiring(self.now, &self.coefficients.hall, &coefficients.hall);
         self.coefficients = *coefficients;
         self.parameters_fit = true;

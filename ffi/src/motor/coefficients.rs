@@ -1,12 +1,11 @@
 //! Coefficients of a motor's control, from parameters.
 
 use crate::board::narx_board_t;
-use crate::device::narx_stored_t;
+use crate::device::{self, narx_stored_t};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
-use narx_core::dictionary::Parameters;
 use narx_core::motor::drive::BEHAVIOUR_VERSION;
-use narx_core::motor::{Board, BuildError, Coefficients};
+use narx_core::motor::{BuildError, Coefficients};
 
 /// Rises whenever coefficients of an earlier library would be wrong for this one: what `narx coefficients`
 /// prints compares it.
@@ -34,7 +33,7 @@ pub struct narx_parameter_error_t {
 /// Builds coefficients from parameters: the factory's, and `count` others, raw with the units and scales of
 /// PROTOCOL.md. `stored` may be NULL if `count` is 0, `board` for the default board. Parameters that do not
 /// fit each other give NARX_ERROR_PARAMETERS; `error`, which may be NULL, then names one. Not for an
-/// interrupt: it divides. Any context.
+/// interrupt: it divides.
 ///
 /// It takes 11 KB of flash, or 30 in a library with the texts of the parameters. Where the parameters are
 /// known when the program is built, let `narx coefficients` print what this would build.
@@ -48,17 +47,7 @@ pub unsafe extern "C" fn narx_coefficients_build(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
-        let board = if board.is_null() { Board::BENCH } else { pointer::read(board)?.into() };
-        if !board.is_plausible() {
-            return Err(NARX_ERROR_BOARD);
-        }
-        let mut parameters = Parameters::new();
-        if count > 0 {
-            for narx_stored_t { number, value } in pointer::slice(stored, count)? {
-                parameters.set(*number, *value)?;
-            }
-        }
-        match Coefficients::build(&parameters, &board) {
+        match Coefficients::build(&device::parameters(stored, count)?, &device::board(board)?) {
             Ok(built) => pointer::write(coefficients, built),
             Err(misfit) => {
                 pointer::write_unless_null(error, misfit.into())?;

@@ -31,7 +31,7 @@ impl Handle for narx_motor_t {
 }
 
 /// Makes a control at power-up, in Initialization, in `size` bytes of memory. `coefficients` are those that
-/// `narx coefficients` has printed, or narx_coefficients_build has built: they are copied.
+/// `narx coefficients` has printed, or narx_coefficients_build has built. They are copied, and not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_motor_init(
     motor: *mut narx_motor_t,
@@ -107,13 +107,13 @@ pub unsafe extern "C" fn narx_motor_handle_inputs(
 
 /// Takes other coefficients, in any state: they hold from the next tick on.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_motor_change(
+pub unsafe extern "C" fn narx_motor_change_coefficients(
     motor: *mut narx_motor_t,
     coefficients: *const Coefficients,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
-        handle::object(motor)?.change(pointer::read(coefficients)?);
+        handle::object(motor)?.change_coefficients(pointer::read(coefficients)?);
         Ok(())
     };
     pointer::status(run())

@@ -21,10 +21,10 @@ from narx.cli.app import MODE, MOTOR, app, examples
 )
 def coefficients(
     parameters: Annotated[
-        Path | None, typer.Argument(help="JSON file of `narx params dump`; else those of a preset.")
+        Path | None, typer.Argument(help="JSON file of `narx params dump`; without it those of a preset.")
     ] = None,
-    motor: Annotated[str, MOTOR] = "ec45-flat-50w-18v",
-    mode: Annotated[str, MODE] = "sensorless",
+    motor: Annotated[str | None, MOTOR] = None,
+    mode: Annotated[str | None, MODE] = None,
     supply: Annotated[float | None, typer.Option(help="Supply voltage, V; else the motor's nominal one.")] = None,
     board: Annotated[
         Path | None, typer.Option(help="TOML file with the fields of narx_board_t that differ from the default board.")
@@ -33,10 +33,14 @@ def coefficients(
 ) -> None:
     """Prints the coefficients of a motor's control as a C header, for narx_motor_init; needs no drive."""
     if parameters is None:
-        preset = narx.Motor.preset(motor)
+        preset = narx.Motor.preset(motor or "ec45-flat-50w-18v")
         volts = (preset.nominal_voltage or 24.0) if supply is None else supply
-        values: dict[str, Any] = preset.commission(volts, cast("Literal['sensorless', 'hall', 'open-loop']", mode))
+        chosen = cast("Literal['sensorless', 'hall', 'open-loop']", mode or "sensorless")
+        values: dict[str, Any] = preset.commission(volts, chosen)
     else:
+        for option, given in [("--motor", motor), ("--mode", mode), ("--supply", supply)]:
+            if given is not None:
+                raise typer.BadParameter("belongs to a preset, and a file of parameters was given", param_hint=option)
         values = read(parameters, json.loads)
     print(narx.coefficients(values, None if board is None else read(board, tomllib.loads), name), end="")
 

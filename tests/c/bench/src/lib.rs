@@ -3,9 +3,9 @@
 #![cfg_attr(target_os = "none", no_std)]
 
 use core::cell::UnsafeCell;
-use narx::{narx_commutation_t, narx_edge_t, narx_pwm_command_t, narx_samples_t};
+use narx::{narx_commutation_t, narx_pwm_command_t, narx_samples_t};
 use narx_core::dictionary::Parameters;
-use narx_core::motor::{Commutation, Edge, EdgeSource, PwmCommand, SampleMode, Samples};
+use narx_core::motor::{Commutation, PwmCommand};
 use narx_core::units::Duty;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Plant, PlantConfig};
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn bench_parameter(index: u32, number: *mut u16, value: *m
 pub unsafe extern "C" fn bench_sample(samples: *mut narx_samples_t) {
     if let Some(bench) = bench() {
         // SAFETY: the caller's promise.
-        unsafe { samples.write(to_c(&bench.plant.sample())) };
+        unsafe { samples.write((&bench.plant.sample()).into()) };
     }
 }
 
@@ -99,28 +99,6 @@ pub unsafe extern "C" fn bench_finish(command: *const narx_pwm_command_t) {
 #[unsafe(no_mangle)]
 pub extern "C" fn bench_rpm() -> f64 {
     bench().map_or(0.0, |bench| bench.plant.observe().speed * 60.0 / core::f64::consts::TAU)
-}
-
-fn to_c(samples: &Samples) -> narx_samples_t {
-    let mut edges = [narx_edge_t { instant: 0, source: 0, code: 0 }; narx::NARX_EDGES_MAX];
-    for (to, Edge { instant, source, code }) in edges.iter_mut().zip(&samples.edges) {
-        let source = u8::from(*source == EdgeSource::Comparator);
-        *to = narx_edge_t { instant: *instant, source, code: *code };
-    }
-    narx_samples_t {
-        tick: samples.tick,
-        phase_voltage: samples.phase_voltage,
-        bus_voltage: samples.bus_voltage,
-        bus_current: samples.bus_current,
-        skew: samples.skew,
-        sample_mode: u8::from(samples.sample_mode == SampleMode::OnTime),
-        current_mode: samples.current_mode as u8,
-        hall: samples.hall,
-        lines: samples.lines.bits(),
-        edge_count: samples.edges.len() as u8,
-        edges_lost: samples.edges_lost,
-        edges,
-    }
 }
 
 fn from_c(command: &narx_pwm_command_t) -> PwmCommand {
