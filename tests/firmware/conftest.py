@@ -219,3 +219,10 @@ def spin(drive, rpm):
     """Starts the motor through the Python package, even if the drive's time is slower than wall time."""
     drive.start(rpm)
     assert drive.state is narx.State.HALL_CLOSED_LOOP
+
+
+def run_for_a_broadcast(drive):
+    """Waits for two voltages that the drive sends from now on: its own time between two of them has passed."""
+    for _ in range(2):
+        last = drive.measurements.full("HV Voltage").time
+        assert drive.wait_for(lambda last=last: drive.measurements.full("HV Voltage").time > last, timeout=60.0)

@@ -65,15 +65,16 @@ def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:
         assert wrong.returncode == 2 and message in wrong.stderr and wrong.stdout == ""
     with pytest.raises(narx.ParameterError, match='board: has no "rate"'):
         narx.coefficients({}, {"rate": 1})
-    for board_of_mine, told in [
+    refused: list[tuple[dict[str, Any], str]] = [
         ({"tick_rate": 1}, "tick_rate 1: must be a whole number from 1000 to 100000"),
         ({"equipment": 128}, "equipment 128: must be a whole number from 0 to 127"),
         ({"hall_capture": 2}, "hall_capture 2: must be true or false"),
         ({"bus_current": {"zero": 4096, "micro_per_code": 1}}, "bus_current.zero 4096: must be a whole number from 0 to 4095"),
         ({"bus_current": {"zero": 0}}, "must have zero and micro_per_code"),
-    ]:
+    ]
+    for mine, told in refused:
         with pytest.raises(narx.ParameterError, match=told):
-            narx.coefficients({}, board_of_mine)
+            narx.coefficients({}, mine)
     with pytest.raises(narx.ParameterError, match="does not fit the other parameters"):
         narx.coefficients({"Under-voltage HV threshold": 60.0})
     with pytest.raises(narx.ParameterError, match="there is no parameter"):

@@ -12,7 +12,7 @@
 
 use crate::cross;
 use crate::install;
-use crate::library::{self, NARX, SMALL};
+use crate::library;
 use narx_report::steps::{self, Outcome};
 use narx_report::target_directory;
 use std::fs;
@@ -31,12 +31,7 @@ pub(crate) fn command(root: &Path) -> ExitCode {
 /// Builds the libraries, lays the release out and packs it; returns the closing line.
 fn pack(root: &Path) -> Outcome {
     install::debian(&cross::PACKAGES)?;
-    for processor in library::ALL {
-        NARX.build(root, processor)?;
-        if processor.is_some() {
-            SMALL.build(root, processor)?;
-        }
-    }
+    library::build_released(root)?;
     let folder = lay_out(root)?;
     let name = name();
     let file = target_directory(root).join(format!("{name}.tar.gz"));
@@ -59,16 +54,13 @@ pub(crate) fn lay_out(root: &Path) -> Result<PathBuf, String> {
     let _ = fs::remove_dir_all(&folder);
     let package = folder.join("lib/cmake/narx");
     copy(&root.join("ffi/include/narx.h"), &folder.join("include/narx.h"))?;
-    for processor in library::ALL {
+    for (library, processor, name) in library::released() {
         let (target, strip) =
             processor.map_or((HOST, "strip"), |processor| (processor.target(), cross::STRIP));
-        let files = [(NARX, "libnarx.a"), (SMALL, "libnarx-small.a")];
-        for (library, name) in files.into_iter().take(if processor.is_some() { 2 } else { 1 }) {
-            let file = folder.join("lib").join(target).join(name);
-            copy(&library.path(root, processor), &file)?;
-            // Debug information holds the folders of the sources and is of no use to a user.
-            steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
-        }
+        let file = folder.join("lib").join(target).join(name);
+        copy(&library.path(root, processor), &file)?;
+        // Debug information holds the folders of the sources and is of no use to a user.
+        steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
     }
     copy(&root.join("ffi/cmake/narxConfig.cmake"), &package.join("narxConfig.cmake"))?;
     let version = read(&root.join("ffi/cmake/narxConfigVersion.cmake"))?.replace("@VERSION@", VERSION);

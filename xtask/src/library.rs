@@ -17,6 +17,22 @@ pub(crate) const SMALL: Library = Library { profile: "small", ..NARX };
 /// `libnarx_bench.a`: the same with a simulated motor.
 pub(crate) const BENCH: Library = Library { package: "narx-c-bench", name: "narx_bench", ..NARX };
 
+/// Static libraries of a release, with their names there. This machine has flash enough for the fast one.
+pub(crate) fn released() -> impl Iterator<Item = (Library, Option<Processor>, &'static str)> {
+    let small =
+        ALL.into_iter().filter(Option::is_some).map(|processor| (SMALL, processor, "libnarx-small.a"));
+    ALL.into_iter().map(|processor| (NARX, processor, "libnarx.a")).chain(small)
+}
+
+/// Builds the static libraries of a release.
+///
+/// # Errors
+/// Fails with the compiler's message.
+pub(crate) fn build_released(root: &Path) -> Outcome {
+    released().try_for_each(|(library, processor, _)| library.build(root, processor).map(drop))?;
+    Ok(Vec::new())
+}
+
 /// A static library of ours.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Library {

@@ -8,7 +8,7 @@ mod watched;
 
 use crate::cross::{self, Processor, STRICT};
 use crate::install::{self, Package};
-use crate::library::{self, BENCH, NARX};
+use crate::library::{self, BENCH};
 use crate::programs::GENERATE;
 use crate::qemu::{self, Machine};
 use crate::replayer::{ARGUMENTS, Replayer};
@@ -108,10 +108,10 @@ pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
     ]
 }
 
-/// Builds the static library for this machine and every processor, and with a simulated motor where there is
-/// a floating-point unit to compute it.
+/// Builds the static libraries of a release for this machine and every processor, and one with a simulated
+/// motor where there is a floating-point unit to compute it.
 fn libraries(root: &Path) -> Outcome {
-    library::ALL.iter().try_for_each(|processor| NARX.build(root, *processor).map(drop))?;
+    library::build_released(root)?;
     BENCH.build(root, None)?;
     BENCH.build(root, Some(Processor::CortexM4F))
 }
