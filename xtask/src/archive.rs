@@ -12,7 +12,7 @@
 
 use crate::cross;
 use crate::install;
-use crate::library;
+use crate::library::{self, Released};
 use narx_report::steps::{self, Outcome};
 use narx_report::target_directory;
 use std::fs;
@@ -30,9 +30,10 @@ pub(crate) fn command(root: &Path) -> ExitCode {
 
 /// Builds the libraries, lays the release out and packs it; returns the closing line.
 fn pack(root: &Path) -> Outcome {
-    install::debian(&cross::PACKAGES)?;
-    library::build_released(root)?;
-    let folder = lay_out(root)?;
+    install::debian(&[cross::PACKAGES, cross::RISCV_PACKAGES].concat())?;
+    let libraries = library::released();
+    libraries.iter().try_for_each(|(library, processor)| library.build(root, *processor).map(drop))?;
+    let folder = lay_out(root, &libraries)?;
     let name = name();
     let file = target_directory(root).join(format!("{name}.tar.gz"));
     let mut tar = Command::new("tar");
@@ -44,20 +45,20 @@ fn pack(root: &Path) -> Outcome {
     Ok(vec![format!("{}: {} KB", file.display(), bytes / 1024)])
 }
 
-/// Lays the release out from libraries that are built; returns its folder.
+/// Lays a release of these libraries out, which are built; returns its folder.
 ///
 /// # Errors
 /// Fails with the name of a file that cannot be written.
-pub(crate) fn lay_out(root: &Path) -> Result<PathBuf, String> {
+pub(crate) fn lay_out(root: &Path, libraries: &[Released]) -> Result<PathBuf, String> {
     let folder = target_directory(root).join(name());
     // Files of an earlier version must not stay.
     let _ = fs::remove_dir_all(&folder);
     let package = folder.join("lib/cmake/narx");
     copy(&root.join("ffi/include/narx.h"), &folder.join("include/narx.h"))?;
-    for (library, processor, name) in library::released() {
-        let (target, strip) =
-            processor.map_or((HOST, "strip"), |processor| (processor.target(), cross::STRIP));
-        let file = folder.join("lib").join(target).join(name);
+    for &(library, processor) in libraries {
+        let (target, strip) = processor
+            .map_or((HOST, "strip".to_owned()), |processor| (processor.target(), processor.tool("strip")));
+        let file = folder.join("lib").join(target).join(library.file());
         copy(&library.path(root, processor), &file)?;
         // Debug information holds the folders of the sources and is of no use to a user.
         steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;

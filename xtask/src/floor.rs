@@ -15,7 +15,8 @@ const TICKS: u32 = 20_000;
 /// Fails if the compiler is missing and cannot be installed.
 pub(crate) fn compiler_version() -> Result<String, String> {
     install::debian(&cross::PACKAGES)?;
-    let version = steps::output(Command::new(cross::COMPILER).arg("-dumpfullversion"))?;
+    let version =
+        steps::output(Command::new(cross::Processor::CortexM4F.tool("gcc")).arg("-dumpfullversion"))?;
     Ok(version.trim().to_owned())
 }
 

@@ -7,9 +7,6 @@ use narx_report::target_directory;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Targets of a C library: this machine (`None`) and every processor.
-pub(crate) const ALL: [Option<Processor>; 3] = [None, Some(Processor::CortexM4F), Some(Processor::CortexM0)];
-
 /// `libnarx.a`.
 pub(crate) const NARX: Library = Library { package: "narx-ffi", name: "narx", profile: "release" };
 /// `libnarx.a` for little flash: the same bits in less code, by opt-level z.
@@ -17,24 +14,17 @@ pub(crate) const SMALL: Library = Library { profile: "small", ..NARX };
 /// `libnarx_bench.a`: the same with a simulated motor.
 pub(crate) const BENCH: Library = Library { package: "narx-c-bench", name: "narx_bench", ..NARX };
 
-/// Static libraries of a release, with their names there. This machine has flash enough for the fast one.
-pub(crate) fn released() -> impl Iterator<Item = (Library, Option<Processor>, &'static str)> {
-    let small =
-        ALL.into_iter().filter(Option::is_some).map(|processor| (SMALL, processor, "libnarx-small.a"));
-    ALL.into_iter().map(|processor| (NARX, processor, "libnarx.a")).chain(small)
-}
+/// A library for this machine (`None`) or a processor, in a release.
+pub(crate) type Released = (Library, Option<Processor>);
 
-/// Builds the static libraries of a release.
-///
-/// # Errors
-/// Fails with the compiler's message.
-pub(crate) fn build_released(root: &Path) -> Outcome {
-    released().try_for_each(|(library, processor, _)| library.build(root, processor).map(drop))?;
-    Ok(Vec::new())
+/// The libraries of a release: this machine has memory enough for the fast one.
+pub(crate) fn released() -> Vec<Released> {
+    let each = |library| Processor::ALL.map(|processor| (library, Some(processor)));
+    [(NARX, None)].into_iter().chain(each(NARX)).chain(each(SMALL)).collect()
 }
 
 /// A static library of ours.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Library {
     package: &'static str,
     name: &'static str,
@@ -70,10 +60,15 @@ impl Library {
         // Bare metal has no shared libraries.
         let kinds = if processor.is_some() { "staticlib" } else { "staticlib,cdylib" };
         steps::run(cargo.args(["--crate-type", kinds]).current_dir(root))?;
-        if processor.is_some() {
-            leave_memory_functions_to_c(&self.path(root, processor))?;
+        if let Some(processor) = processor {
+            leave_memory_functions_to_c(&self.path(root, Some(processor)), processor)?;
         }
         Ok(Vec::new())
+    }
+
+    /// Name of its file in a release.
+    pub(crate) fn file(self) -> &'static str {
+        if self.profile == SMALL.profile { "libnarx-small.a" } else { "libnarx.a" }
     }
 
     /// Path of the shared library of this machine.
@@ -91,8 +86,8 @@ impl Library {
 
 /// Takes memcpy, memset and their like out of a library: every C library for bare metal has them in a tenth
 /// of the 1.5 KB that Rust's take.
-fn leave_memory_functions_to_c(library: &Path) -> Result<(), String> {
-    let symbols = output(Command::new("arm-none-eabi-readelf").arg("-sW").arg(library))?;
+fn leave_memory_functions_to_c(library: &Path, processor: Processor) -> Result<(), String> {
+    let symbols = output(Command::new(processor.tool("readelf")).arg("-sW").arg(library))?;
     let (mut member, mut spare) = ("", Vec::new());
     for line in symbols.lines() {
         if let Some((_, name)) = line.split_once(".a(") {
@@ -110,5 +105,5 @@ fn leave_memory_functions_to_c(library: &Path) -> Result<(), String> {
     if spare.is_empty() {
         return Ok(());
     }
-    output(Command::new("arm-none-eabi-ar").arg("d").arg(library).args(spare)).map(drop)
+    output(Command::new(processor.tool("ar")).arg("d").arg(library).args(spare)).map(drop)
 }

@@ -11,29 +11,44 @@ pub(crate) const PROGRAM: &str = "qemu-system-arm";
 /// Package of the emulator.
 pub(crate) const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRAM };
 
-/// An emulated machine. All have flash at 0 and RAM at 2000_0000h.
+/// Package of the emulator of RISC-V.
+pub(crate) const RISCV_PACKAGE: Package =
+    Package { name: "qemu-system-misc", provides: "qemu-system-riscv32" };
+
+/// An emulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Machine {
-    /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each, and 16 MB of PSRAM at 2100_0000h.
+    /// An MPS2 board with image AN386: a Cortex-M4F.
     Mps2M4,
+    /// An MPS2 board with image AN505: a Cortex-M33 with floating point.
+    Mps2M33,
     /// A BBC micro:bit: a Cortex-M0 with 256 KB of flash and 16 KB of RAM.
     Microbit,
+    /// QEMU's own machine for RISC-V.
+    RiscvVirt,
 }
 
 impl Machine {
-    /// Name that the emulator uses.
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Mps2M4 => "mps2-an386",
-            Self::Microbit => "microbit",
-        }
+    /// The emulator of this machine.
+    fn emulator(self) -> Command {
+        let (program, arguments): (_, &[&str]) = match self {
+            Self::Mps2M4 => (PROGRAM, &["-machine", "mps2-an386"]),
+            Self::Mps2M33 => (PROGRAM, &["-machine", "mps2-an505"]),
+            Self::Microbit => (PROGRAM, &["-machine", "microbit"]),
+            Self::RiscvVirt => (RISCV_PACKAGE.provides, &["-machine", "virt", "-bios", "none"]),
+        };
+        let mut command = Command::new(program);
+        command.args(arguments);
+        command
     }
 
-    /// Linker script of C programs, in `tests/c`.
+    /// Linker script of C programs, in `tests/c/start`.
     pub(crate) const fn memory(self) -> &'static str {
         match self {
             Self::Mps2M4 => "mps2.ld",
+            Self::Mps2M33 => "mps2-m33.ld",
             Self::Microbit => "microbit.ld",
+            Self::RiscvVirt => "virt.ld",
         }
     }
 }
@@ -84,9 +99,9 @@ fn emulator(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>], serial:
         config.push_str(",arg=");
         config.push_str(&argument.replace(',', ",,"));
     }
-    let mut command = Command::new(PROGRAM);
+    let mut command = machine.emulator();
     command
-        .args(["-machine", machine.name(), "-display", "none", "-monitor", "none", "-serial", serial])
+        .args(["-display", "none", "-monitor", "none", "-serial", serial])
         .args(["-chardev", "stdio,id=semihosting,signal=off", "-semihosting-config", &config])
         .arg("-kernel")
         .arg(elf)

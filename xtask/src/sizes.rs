@@ -62,7 +62,7 @@ const MODES: [(&str, &[&str]); 3] = [
 /// # Errors
 /// Those of [`regenerate`], and the compiler's message.
 pub(crate) fn generate(root: &Path, check: bool) -> Outcome {
-    Processor::ALL.iter().try_for_each(|processor| NARX.build(root, Some(*processor)).map(drop))?;
+    Processor::MEASURED.iter().try_for_each(|processor| NARX.build(root, Some(*processor)).map(drop))?;
     regenerate(root, check)
 }
 
@@ -75,14 +75,14 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
     let mut text = String::from(HEAD);
     let mut closing = Vec::new();
-    for processor in Processor::ALL {
+    for processor in Processor::MEASURED {
         let target = processor.target();
         let costs = costs(root, processor)?;
         let (table, line) = table(root, NARX, processor, &costs)?;
         let _ = write!(text, "\n[{target}]\n{table}");
         closing.push(format!("{target}: flash{line}"));
     }
-    for processor in Processor::ALL {
+    for processor in Processor::MEASURED {
         let target = processor.target();
         if check && processor != Processor::CortexM4F {
             continue;
@@ -160,7 +160,7 @@ fn table(
 fn alone(root: &Path, library: Library, processor: Processor, modes: &[&str]) -> Result<u64, String> {
     library.build_part(root, processor, modes)?;
     let program = target_directory(root).join("c/alone.elf");
-    let mut compiler = Command::new(cross::COMPILER);
+    let mut compiler = Command::new(processor.tool("gcc"));
     compiler.args(processor.options()).args(["-std=c99", "-Os"]).args(cross::STRICT).args(BARE);
     compiler.arg("-Wl,--entry=main").arg("-I").arg(root.join("ffi/include"));
     compiler.arg(root.join("tests/c/alone.c")).arg(library.path(root, Some(processor)));
@@ -232,7 +232,7 @@ fn program(
     let directory = target_directory(root).join("c");
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
     let program = directory.join("size.elf");
-    let mut linker = Command::new(cross::COMPILER);
+    let mut linker = Command::new(processor.tool("gcc"));
     linker.args(processor.options()).args(BARE);
     linker.args(calls.iter().map(|call| format!("-Wl,--undefined={call}")));
     linker.args(calls.iter().take(1).map(|call| format!("-Wl,--entry={call}")));
@@ -267,7 +267,7 @@ fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
     let (source, compiled) = (directory.join("size.c"), directory.join("size.o"));
     let text = format!("#include \"narx.h\"\n{object} object;\n");
     fs::write(&source, text).map_err(|error| format!("{}: {error}", source.display()))?;
-    let mut compiler = Command::new(cross::COMPILER);
+    let mut compiler = Command::new(processor.tool("gcc"));
     compiler.args(processor.options()).args(["-c", "-fno-common", "-I"]).arg(root.join("ffi/include"));
     output(compiler.arg(&source).arg("-o").arg(&compiled))?;
     let symbols = output(Command::new("arm-none-eabi-nm").arg("--print-size").arg(&compiled))?;

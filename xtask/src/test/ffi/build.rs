@@ -1,7 +1,7 @@
 //! Builds and starts C programs.
 
 use crate::cross::{self, Processor, STRICT};
-use crate::library::{BENCH, Library, NARX};
+use crate::library::{BENCH, Library, NARX, SMALL};
 use crate::qemu::{self, Machine};
 use narx_report::steps::{self, Outcome};
 use narx_report::target_directory;
@@ -18,17 +18,19 @@ pub(super) enum Build {
     Clang,
     /// gcc, with sanitizers: the first invalid access or undefined behaviour stops the program.
     Sanitized,
-    /// gcc for an emulated Cortex-M4F, with the host's files by semihosting.
-    CortexM4F,
-    /// gcc for a Cortex-M0; the code runs on the same machine, whose memory has room for everything.
-    CortexM0,
+    /// gcc for an emulated microcontroller, with the host's files by semihosting.
+    For(Processor),
+    /// gcc for an emulated Cortex-M4F, with the small library.
+    Small,
 }
 
-use Build::{Clang, CortexM0, CortexM4F, Gcc, Sanitized};
+use Build::{Clang, For, Gcc, Sanitized, Small};
 
 impl Build {
-    /// All builds.
-    pub(super) const ALL: [Self; 5] = [Gcc, Clang, Sanitized, CortexM4F, CortexM0];
+    /// The builds that run every program.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        [Gcc, Clang, Sanitized].into_iter().chain(Processor::ALL.map(For))
+    }
 
     /// Path of the program of a source file.
     pub(super) fn program(self, root: &Path, source: &str) -> PathBuf {
@@ -36,8 +38,8 @@ impl Build {
             Gcc => "gcc",
             Clang => "clang",
             Sanitized => "sanitized",
-            CortexM4F => "cortex-m4f",
-            CortexM0 => "cortex-m0",
+            For(processor) => processor.target(),
+            Small => "small",
         };
         let stem = Path::new(source).file_stem().unwrap_or_default().to_string_lossy();
         directory(root).join(format!("{stem}-{kind}"))
@@ -46,8 +48,8 @@ impl Build {
     /// Returns a call of the program.
     pub(super) fn start(self, root: &Path, source: &str, arguments: &[String]) -> Command {
         let program = self.program(root, source);
-        if self.processor().is_some() {
-            return qemu::semihosting(&program, arguments);
+        if let Some(processor) = self.processor() {
+            return qemu::semihosting_on(processor.machine(), &program, arguments);
         }
         let mut command = Command::new(program);
         command.args(arguments);
@@ -61,8 +63,9 @@ impl Build {
 
     /// Compiles and links the program of a source file of the working copy.
     pub(super) fn compile(self, root: &Path, source: &str) -> Outcome {
+        let library = if self == Small { SMALL } else { NARX };
         let mut compiler = self.compiler(root);
-        compiler.arg(root.join(source)).args(self.libraries(root, NARX));
+        compiler.arg(root.join(source)).args(self.libraries(root, library));
         compiler.arg("-o").arg(self.program(root, source));
         steps::run(&mut compiler)
     }
@@ -100,7 +103,7 @@ impl Build {
     /// Returns the compiler with its options.
     fn compiler(self, root: &Path) -> Command {
         let mut command = match self.processor() {
-            Some(processor) => cross::compiler_for(root, processor, Machine::Mps2M4),
+            Some(processor) => cross::compiler_for(root, processor, processor.machine()),
             None => Command::new(if self == Clang { "clang" } else { "gcc" }),
         };
         command.args(["-std=c99", "-O2", "-g"]).args(STRICT).arg("-I").arg(root.join("ffi/include"));
@@ -120,8 +123,8 @@ impl Build {
     const fn processor(self) -> Option<Processor> {
         match self {
             Gcc | Clang | Sanitized => None,
-            CortexM4F => Some(Processor::CortexM4F),
-            CortexM0 => Some(Processor::CortexM0),
+            For(processor) => Some(processor),
+            Small => Some(Processor::CortexM4F),
         }
     }
 }

@@ -6,21 +6,22 @@ mod package;
 mod threads;
 mod watched;
 
-use crate::cross::{self, Processor, STRICT};
+use crate::cross::Processor::{CortexM0, CortexM4F, CortexM33F, Rv32Imac};
+use crate::cross::{self, STRICT};
 use crate::install::{self, Package};
-use crate::library::{self, BENCH};
+use crate::library::{self, BENCH, Released, SMALL};
 use crate::programs::GENERATE;
 use crate::qemu::{self, Machine};
 use crate::replayer::{ARGUMENTS, Replayer};
 use crate::sizes;
-use build::Build;
+use build::Build::{self, For, Small};
 use narx_report::steps::output;
 use narx_report::steps::{self, Outcome, Step};
 use std::path::Path;
 use std::process::Command;
 
 /// Debian packages that the tests need.
-const PACKAGES: [Package; 10] = [
+const PACKAGES: [Package; 13] = [
     Package { name: "gcc", provides: "gcc" },
     Package { name: "g++", provides: "g++" },
     Package { name: "clang", provides: "clang" },
@@ -30,7 +31,10 @@ const PACKAGES: [Package; 10] = [
     Package { name: "valgrind", provides: "valgrind" },
     cross::PACKAGES[0],
     cross::PACKAGES[1],
-    Package { name: "qemu-system-arm", provides: qemu::PROGRAM },
+    cross::RISCV_PACKAGES[0],
+    cross::RISCV_PACKAGES[1],
+    qemu::PACKAGE,
+    qemu::RISCV_PACKAGE,
 ];
 
 /// A drive in C: its functions, and every misuse.
@@ -81,10 +85,12 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("C cppcheck", move || watched::cppcheck(root)),
         Step::new("C threads", move || threads::sanitized(root)),
         Step::new("C halves in Miri", move || threads::interpreted(root)),
-        Step::new("C on Cortex-M4F", move || run(root, Build::CortexM4F)),
-        Step::new("C on Cortex-M0", move || Ok([run(root, Build::CortexM0)?, microbit(root)?].concat())),
+        Step::new("C on Cortex-M4F", move || run(root, For(CortexM4F))),
+        Step::new("C on Cortex-M0", move || Ok([run(root, For(CortexM0))?, microbit(root)?].concat())),
+        Step::new("C on Cortex-M33F", move || run(root, For(CortexM33F))),
+        Step::new("C on RISC-V", move || run(root, For(Rv32Imac))),
         Step::new("C spins a motor", move || spin(root)),
-        Step::new("C package", move || package::consumed(root)),
+        Step::new("C package", move || package::consumed(root, &tested())),
         Step::new("C sizes", move || sizes::regenerate(root, true)),
     ]
 }
@@ -103,17 +109,27 @@ pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
     let replayer = |name, build: Build| Replayer::new(name, &build.start(root, REPLAY, &[ARGUMENTS.into()]));
     vec![
         replayer("C x86-64", Build::Gcc),
-        replayer("C Cortex-M4F", Build::CortexM4F),
-        replayer("C Cortex-M0", Build::CortexM0),
+        replayer("C Cortex-M4F", For(CortexM4F)),
+        replayer("C Cortex-M4F small", Small),
+        replayer("C Cortex-M0", For(CortexM0)),
+        replayer("C Cortex-M33F", For(CortexM33F)),
+        replayer("C RV32IMAC", For(Rv32Imac)),
     ]
 }
 
-/// Builds the static libraries of a release for this machine and every processor, and one with a simulated
-/// motor where there is a floating-point unit to compute it.
+/// The libraries that are tested: all of a release but most of the small ones, which are the same code.
+fn tested() -> Vec<Released> {
+    let mut libraries = library::released();
+    libraries.retain(|&(library, processor)| library != SMALL || processor == Some(CortexM4F));
+    libraries
+}
+
+/// Builds the static libraries for this machine and every processor, and one with a simulated motor where
+/// there is a floating-point unit to compute it.
 fn libraries(root: &Path) -> Outcome {
-    library::build_released(root)?;
+    tested().iter().try_for_each(|(library, processor)| library.build(root, *processor).map(drop))?;
     BENCH.build(root, None)?;
-    BENCH.build(root, Some(Processor::CortexM4F))
+    BENCH.build(root, Some(CortexM4F))
 }
 
 /// Runs the blocks' examples on the smallest machine, a real Cortex-M0 with 16 KB of RAM.
@@ -142,7 +158,7 @@ fn spin(root: &Path) -> Outcome {
             let text = output(&mut build.start(root, source, arguments))?;
             Ok::<_, String>(text.lines().next().unwrap_or_default().to_owned())
         };
-        let (here, there) = (run(Build::Sanitized)?, run(Build::CortexM4F)?);
+        let (here, there) = (run(Build::Sanitized)?, run(For(CortexM4F))?);
         if here != there {
             return Err(format!("{source}: here {here}, on a Cortex-M4F {there}"));
         }
@@ -154,12 +170,13 @@ fn spin(root: &Path) -> Outcome {
 /// Builds every program, and compiles the header as C++.
 fn programs(root: &Path) -> Outcome {
     build::made_directory(root)?;
-    for build in Build::ALL {
+    for build in Build::all() {
         for source in CHECKS.into_iter().chain([REPLAY]) {
             build.compile(root, source)?;
         }
     }
-    for build in [Build::Sanitized, Build::CortexM4F] {
+    Small.compile(root, REPLAY)?;
+    for build in [Build::Sanitized, For(CortexM4F)] {
         build.compile_on_bench(root, &[SPIN, "ffi/examples/drive.c"])?;
         build.compile_on_bench(root, &[SPIN_ALONE])?;
     }

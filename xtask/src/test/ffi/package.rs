@@ -2,26 +2,36 @@
 
 use super::build::directory;
 use crate::archive;
-use crate::cross::{self, Processor};
+use crate::cross::Processor;
+use crate::library::Released;
 use narx_report::steps::Outcome;
 use narx_report::steps::output;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Lays a release out and uses it: runs the consumer's program on this machine, links it for every processor,
+/// Lays a release of these libraries out and uses it: runs the consumer's program on this machine, links it for every processor,
 /// and checks that CMake refuses a processor for which there is no library.
-pub(super) fn consumed(root: &Path) -> Outcome {
-    let release = archive::lay_out(root)?;
+pub(super) fn consumed(root: &Path, libraries: &[Released]) -> Outcome {
+    let release = archive::lay_out(root, libraries)?;
     let program = built(root, &release, "x86_64", &[])?;
     let lines = output(&mut Command::new(program))?;
-    for (name, processor) in [("cortex-m4", Processor::CortexM4F), ("cortex-m0", Processor::CortexM0)] {
-        let options = format!("-DCMAKE_C_FLAGS={} --specs=nosys.specs", processor.options().join(" "));
-        built(root, &release, name, &[options])?;
+    let processors = ["cortex-m4", "cortex-m0", "cortex-m33", "riscv32"];
+    for (name, processor) in processors.into_iter().zip(Processor::ALL) {
+        let flags = processor.options().join(" ");
+        built(
+            root,
+            &release,
+            name,
+            &[
+                format!("-DCMAKE_C_FLAGS={flags} {}", processor.library()),
+                format!("-DCMAKE_C_COMPILER={}", processor.tool("gcc")),
+            ],
+        )?;
     }
-    match built(root, &release, "cortex-m33", &[]) {
+    match built(root, &release, "cortex-r5", &["-DCMAKE_C_COMPILER=arm-none-eabi-gcc".to_owned()]) {
         Err(reason) if reason.contains("no library for NARX_TARGET") => {}
-        other => return Err(format!("for a cortex-m33 there is no library, and CMake says: {other:?}")),
+        other => return Err(format!("for a cortex-r5 there is no library, and CMake says: {other:?}")),
     }
     Ok(lines.lines().map(str::to_owned).collect())
 }
@@ -37,7 +47,6 @@ fn built(root: &Path, release: &Path, processor: &str, options: &[String]) -> Re
     if processor != "x86_64" {
         configure.args(["-DCMAKE_SYSTEM_NAME=Generic", "-DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY"]);
         configure.arg(format!("-DCMAKE_SYSTEM_PROCESSOR={processor}"));
-        configure.arg(format!("-DCMAKE_C_COMPILER={}", cross::COMPILER));
     }
     output(&mut configure)?;
     output(Command::new("cmake").arg("--build").arg(&folder))?;

@@ -1,5 +1,6 @@
-/* Vector table and start-up of a Cortex-M program with semihosting. newlib's own start-up takes command lines of 255
- * characters, and all vectors by name are longer; a small machine makes LINE_SIZE smaller. */
+/* Vector table and start of a Cortex-M. */
+
+#include "start.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -8,17 +9,7 @@ extern uint32_t __stack;
 extern uint32_t __bss_start__;
 extern uint32_t __bss_end__;
 extern void initialise_monitor_handles(void);
-extern int main(int argc, char **argv);
 void reset(void);
-
-#ifndef LINE_SIZE
-#define LINE_SIZE 65536
-#endif
-
-enum { SYS_GET_CMDLINE = 0x15, ARGUMENTS_MAX = LINE_SIZE / 64 };
-
-static char line[LINE_SIZE];
-static char *arguments[ARGUMENTS_MAX + 1];
 
 /* Any exception ends the program, but the one that a program may use as its control interrupt. */
 static void fault(void)
@@ -40,7 +31,7 @@ __attribute__((section(".vectors"), used)) static const union vector vectors[16]
     {.handler = fault},  {.handler = fault}, {.handler = pend_sv}, {.handler = fault},
 };
 
-static int semihosting(int operation, void *block)
+int semihosting(int operation, void *block)
 {
     register int r0 __asm__("r0") = operation;
     register void *r1 __asm__("r1") = block;
@@ -49,39 +40,15 @@ static int semihosting(int operation, void *block)
     return r0;
 }
 
-/* The command line cut at its spaces. */
-static int split(char *rest)
-{
-    int count = 0;
-
-    while (*rest != '\0' && count < ARGUMENTS_MAX) {
-        arguments[count++] = rest;
-        while (*rest != '\0' && *rest != ' ') {
-            rest++;
-        }
-        while (*rest == ' ') {
-            *rest++ = '\0';
-        }
-    }
-    return count;
-}
-
 static void start(void)
 {
-    struct {
-        char *text;
-        uint32_t size;
-    } block = {line, sizeof line};
     uint32_t *word;
 
     for (word = &__bss_start__; word != &__bss_end__; word++) {
         *word = 0;
     }
     initialise_monitor_handles();
-    if (semihosting(SYS_GET_CMDLINE, &block) != 0) {
-        _Exit(71);
-    }
-    exit(main(split(line), arguments));
+    run_program();
 }
 
 /* The floating-point unit is off after reset (CPACR), and the calling convention passes arguments in it. */
