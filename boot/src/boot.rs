@@ -58,13 +58,16 @@ pub enum Failure {
 /// Swaps, reverts and verifies as the state pages ask for, from wherever a power cut has left them.
 ///
 /// # Errors
-/// The flash fails, or cannot have this map.
+/// The flash fails, or cannot have this map, or the map has one slot.
 pub fn boot<F: NorFlash, S: Signatory>(
     flash: &mut F,
     map: &Map,
     board: &Board<S>,
 ) -> Result<Outcome, Failure> {
     map.check(flash).map_err(Failure::Map)?;
+    if map.dfu.is_empty() {
+        return Err(Failure::Map(MapError::Dfu));
+    }
     settle_slots(flash, map, board).map_err(Failure::Flash)
 }
 

@@ -19,6 +19,8 @@
 //! and enters at its second; with [`Outcome::Stay`], and with a [`Failure`], it enters nothing, says so with
 //! whatever the board has for it, and waits for a reset.
 //!
+//! A flash without room for two slots has [one](one_slot), and a bootloader that receives.
+//!
 //! An application (feature `node`) makes a `Server` over its [`Slot`], gives its `slots()` to
 //! `Node::attach_update` at power-up, and in every pass of its loop one of `Node::poll_update` to
 //! `Server::execute`, whose report goes to `Node::handle_update`. An erase takes a page's time (22 ms on the
@@ -32,6 +34,7 @@ mod image;
 pub mod key;
 mod map;
 mod mark;
+pub mod one_slot;
 #[cfg(feature = "node")]
 mod serve;
 #[cfg(feature = "sign")]
@@ -45,8 +48,9 @@ pub use image::{BODY_ALIGNMENT, HEADER_LENGTH, Header, HeaderError, SIGNATURE_LE
 pub use key::Key;
 pub use map::{Map, MapError};
 pub use mark::Mark;
+pub use one_slot::OneSlot;
 #[cfg(feature = "node")]
-pub use serve::Server;
+pub use serve::{Inside, Programs, Server};
 pub use slot::{Condition, Slot, SlotError, Verdict};
 pub use verify::{Board, ImageError, Refused, Signatory};
 pub use version::{NoVersion, Version};

@@ -17,7 +17,8 @@ pub struct Map {
     pub bootloader: Range<u32>,
     /// The image that runs.
     pub active: Range<u32>,
-    /// The image that is received, and after a swap the one before: one page longer than `active`.
+    /// The image that is received, and after a swap the one before: one page longer than `active`. Empty in a
+    /// flash with [one slot](crate::one_slot).
     pub dfu: Range<u32>,
     /// State pages: which swap is to be done, and how far it has come.
     pub state: Range<u32>,
@@ -46,7 +47,8 @@ const ST_PAGE: u32 = 2 << 10;
 
 impl Map {
     /// STM32G431CB of the B-G431B-ESC1: 128 KiB in pages of 2 KiB (RM0440, section 3.3).
-    pub const B_G431B_ESC1: Self = Self::stacked([16 << 10, 50 << 10, 52 << 10, ST_PAGE, 8 << 10]);
+    /// One slot: two of one size would leave an application 50 KiB.
+    pub const B_G431B_ESC1: Self = Self::stacked([22 << 10, 96 << 10, 0, ST_PAGE, 8 << 10]);
 
     /// Bootloader, active, dfu, state and parameters of these lengths behind one another, from 0 on.
     pub const fn stacked(lengths: [u32; 5]) -> Self {
@@ -83,8 +85,9 @@ impl Map {
         let mut free_from = 0;
         for range in [bootloader, active, dfu, state, parameters] {
             let is_aligned = range.start.is_multiple_of(page) && range.end.is_multiple_of(page);
-            // Who has no parameters here, or runs the bootloader from elsewhere, says so by an empty range.
-            let may_be_empty = range == parameters || range == bootloader;
+            // Who has no parameters here, one slot, or runs the bootloader from elsewhere, says so by an
+            // empty range.
+            let may_be_empty = range == parameters || range == bootloader || range == dfu;
             if !is_aligned || range.end < range.start || (range.is_empty() && !may_be_empty) {
                 return Err(MapError::Range);
             }
@@ -96,15 +99,15 @@ impl Map {
         if free_from as usize > flash.capacity() {
             return Err(MapError::Capacity);
         }
-        if dfu.end - dfu.start != active.end - active.start + page {
+        if !dfu.is_empty() && dfu.end - dfu.start != active.end - active.start + page {
             return Err(MapError::Dfu);
         }
         if !(8..=32).contains(&word) || !page.is_multiple_of(word) {
             return Err(MapError::WriteSize);
         }
         // Two words each way for every page, behind magic and validity; the last word is the verdict's
-        // (mark.rs).
-        let words = 2 + 4 * (self.room() / page) + 1;
+        // (mark.rs). With one slot there is nothing to swap.
+        let words = if dfu.is_empty() { 0 } else { 2 + 4 * (self.room() / page) + 1 };
         if words > (state.end - state.start) / word { Err(MapError::State) } else { Ok(()) }
     }
 }

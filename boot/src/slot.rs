@@ -60,9 +60,12 @@ impl<F: NorFlash> Slot<F> {
     /// The slots in this flash, on a board with this hardware id.
     ///
     /// # Errors
-    /// The flash cannot have this map.
+    /// The flash cannot have this map, or the map has one slot.
     pub fn new(flash: F, map: Map, hardware: u32) -> Result<Self, MapError> {
         map.check(&flash)?;
+        if map.dfu.is_empty() {
+            return Err(MapError::Dfu);
+        }
         Ok(Self { flash, map, hardware })
     }
 

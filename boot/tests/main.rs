@@ -7,6 +7,7 @@ mod key;
 mod map;
 mod master;
 mod node;
+mod one_slot;
 mod slots;
 mod support;
 mod texts;

@@ -10,9 +10,9 @@ fn the_st_board_has_its_map() {
     let flash: InternalFlash<Sparse> = InternalFlash::new(Sparse::new(), 128 << 10, 0);
     let map = Map::B_G431B_ESC1;
     assert_eq!(map.check(&flash), Ok(()));
-    assert_eq!((map.parameters.end, map.room()), (128 << 10, 50 << 10));
+    assert_eq!((map.parameters.end, map.room()), (128 << 10, 96 << 10));
     // The vector table is behind the header, and where the core takes one.
-    assert_eq!((map.entry(), map.entry() % 512), ((16 << 10) + 512, 0));
+    assert_eq!((map.entry(), map.entry() % 512), ((22 << 10) + 512, 0));
 }
 
 #[test]

@@ -105,10 +105,10 @@ fn a_drive_that_is_gone_is_no_answer() {
 /// Milliseconds of an update of 2040 bytes.
 fn duration() -> u64 {
     let mut wire = wire(Hasty::image(NEW, 1528));
-    let start = wire.drive.now;
+    let start = wire.now;
     wire.begin();
     assert_eq!(wire.finish(60), Some(Ok(())));
-    (wire.drive.now - start) / 10
+    (wire.now - start) / 10
 }
 
 /// Once in every millisecond of an update, all of its stages among them: its questions wait meanwhile, and
@@ -120,7 +120,7 @@ fn a_drive_that_is_busy_for_a_while_is_no_failure() {
         let mut wire = wire(image.clone());
         wire.begin();
         (0..after).for_each(|_| wire.step());
-        wire.busy_until = wire.drive.now + 10 * busy;
+        wire.busy_until = wire.now + 10 * busy;
         assert_eq!(wire.finish(70), Some(Ok(())), "busy after {after} ms for {busy}");
         assert!(active(wire.drive.server.slot().flash(), image.len()) == image);
     }
@@ -148,9 +148,9 @@ fn a_drive_that_is_gone_is_told_within_seconds() {
         (0..after).for_each(|_| wire.step());
         let stage = wire.master.update_progress().unwrap().stage;
         wire.loss = 1000;
-        let start = wire.drive.now;
+        let start = wire.now;
         let end = wire.finish(70);
-        let seconds = (wire.drive.now - start) as f64 / 10_000.0;
+        let seconds = (wire.now - start) as f64 / 10_000.0;
         let bound = if stage == UpdateStage::Restarting { 61.0 } else { 5.2 };
         assert!(matches!(end, Some(Err(UpdateError::NoAnswer | UpdateError::Silent))), "{after} ms: {end:?}");
         assert!((1.9..bound).contains(&seconds), "{stage:?}, after {after} ms: {seconds} s");

@@ -15,9 +15,9 @@ use std::collections::VecDeque;
 /// A drive with its slots, served by a shell.
 pub(crate) struct Drive {
     pub(crate) node: Node,
-    pub(crate) server: Server<Flash>,
+    pub(crate) server: Server<Slot<Flash>>,
     /// Control ticks.
-    pub(crate) now: u64,
+    now: u64,
     /// The shell does not serve its flash.
     pub(crate) is_stuck: bool,
 }
@@ -127,11 +127,40 @@ impl Drive {
     }
 }
 
+/// The end of the wire that is programmed.
+pub(crate) trait Programmed {
+    fn handle_frame(&mut self, frame: &Frame);
+    fn poll_frame(&mut self) -> Option<Frame>;
+    /// A pass of its loop, a millisecond later; true if it restarts.
+    fn pass(&mut self) -> bool;
+    fn reboot(&mut self);
+}
+
+impl Programmed for Drive {
+    fn handle_frame(&mut self, frame: &Frame) {
+        self.node.handle_frame(frame);
+    }
+
+    fn poll_frame(&mut self) -> Option<Frame> {
+        self.node.poll_frame()
+    }
+
+    fn pass(&mut self) -> bool {
+        Self::pass(self)
+    }
+
+    fn reboot(&mut self) {
+        Self::reboot(self);
+    }
+}
+
 /// Both ends.
-pub(crate) struct Wire {
-    pub(crate) drive: Drive,
+pub(crate) struct Wire<D = Drive> {
+    pub(crate) drive: D,
     pub(crate) master: Master,
     pub(crate) bytes: Vec<u8>,
+    /// Control ticks.
+    pub(crate) now: u64,
     /// Frames lost of a thousand, each way.
     pub(crate) loss: u64,
     pub(crate) random: Random,
@@ -147,12 +176,19 @@ pub(crate) struct Wire {
 
 impl Wire {
     pub(crate) fn new(flash: Flash, bytes: Vec<u8>) -> Self {
+        Self::to(Drive::new(flash), bytes)
+    }
+}
+
+impl<D: Programmed> Wire<D> {
+    pub(crate) fn to(drive: D, bytes: Vec<u8>) -> Self {
         let config = Config { read_parameters: false, ..Config::default() };
         let master = Master::new(config);
         Self {
-            drive: Drive::new(flash),
+            drive,
             master,
             bytes,
+            now: 0,
             loss: 0,
             random: Random::new(5),
             blocks: 0,
@@ -169,21 +205,21 @@ impl Wire {
 
     /// A millisecond.
     pub(crate) fn step(&mut self) {
-        let now = self.drive.now * 100;
+        let now = self.now * 100;
         while let Some(frame) = self.poll_master(now) {
             if !self.is_lost() {
-                self.waiting.push_back((self.drive.now + self.latency, frame));
+                self.waiting.push_back((self.now + self.latency, frame));
             }
         }
-        if self.drive.now < self.busy_until {
-            self.drive.now += 10;
+        self.now += 10;
+        if self.now <= self.busy_until {
             return;
         }
-        while let Some((_, frame)) = self.waiting.pop_front_if(|(due, _)| *due <= self.drive.now) {
-            self.drive.node.handle_frame(&frame);
+        while let Some((_, frame)) = self.waiting.pop_front_if(|(due, _)| *due < self.now) {
+            self.drive.handle_frame(&frame);
         }
         let restarts = self.drive.pass();
-        while let Some(frame) = self.drive.node.poll_frame() {
+        while let Some(frame) = self.drive.poll_frame() {
             if !self.is_lost() {
                 self.master.handle_frame(&frame, now);
             }

@@ -5,8 +5,7 @@ use std::{env, fs};
 
 /// Images, and for each the file of the memory that it may use. The linker looks for `memory.x` in folders,
 /// so each image has a folder of its own.
-const IMAGES: [(&str, &str); 4] =
-    [("drive", "alone.x"), ("application", "slot.x"), ("bare", "slot.x"), ("boot", "boot.x")];
+const IMAGES: [(&str, &str); 3] = [("drive", "slot.x"), ("bare", "slot.x"), ("boot", "boot.x")];
 
 fn main() -> std::io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");

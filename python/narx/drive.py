@@ -277,8 +277,9 @@ class Drive:
         progress(stage, done, total) is called with the present stage ("asking", "erasing", "sending",
         "verifying", "restarting") and the number of the image's bytes that are done.
 
-        After an error the drive runs its previous image: unless the new image is confirmed at the end, the
-        bootloader restores the previous one. Raises ImageError for a file that is no complete image, or not
+        After an error a drive with two slots runs its previous image: unless the new image is confirmed at the
+        end, the bootloader restores the previous one. With one slot the bootloader waits for an image:
+        `narx.connect(..., timeout=0)` reaches it. Raises ImageError for a file that is no complete image, or not
         one for this drive: for other hardware, too long, or older than the running image. Raises RefusedError
         when the drive refuses it or its bootloader rejects the signature. Raises NoAnswerError when the drive
         has no bootloader, or does not answer any more. A drive that receives nothing from its master for 60 s
@@ -391,7 +392,8 @@ def connect(
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
     with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
-    available ones. Raises NoAnswerError when nothing is received of the drive within `timeout` s. A silent
+    available ones. Raises NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
+    does not wait: for a drive whose bootloader receives, which takes `update` and nothing else. A silent
     master receives frames of the drive only while another master commands it.
     """
     import can
@@ -403,6 +405,8 @@ def connect(
         bus.shutdown()
         raise
     drive._own_bus = bus
+    if timeout == 0:
+        return drive
     # Some states have the same status word; the master reads the exact state.
     if not drive._link.wait(lambda: is_there(drive, silent), timeout):
         drive.close()

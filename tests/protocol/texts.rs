@@ -54,7 +54,7 @@ fn an_update_is_told_in_words() {
         (C::TimedOut, "no data arrived for ten seconds"),
         (C::Aborted, "the update was aborted"),
         (C::Signature, "the board's bootloader does not accept the signature"),
-        (C::Reverted, "the image was not confirmed, and the previous one runs again"),
+        (C::Reverted, "the image was not confirmed, and does not run any more"),
     ];
     for (code, text) in codes {
         assert_eq!(code.to_string(), text);

@@ -105,3 +105,12 @@ def test_the_command_programs_a_virtual_drive(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["software"] == "1.0"
     wrong = run("update", str(write(tmp_path, b"nothing")))
     assert wrong.returncode == 2 and wrong.stderr.strip().endswith("narx: the file has 7 bytes; the image needs 512")
+
+
+def test_a_drive_that_only_receives_is_reached_without_waiting(tmp_path: Path) -> None:
+    """Nobody is on the bus: waiting ends in an error, and so does the update, which says why."""
+    with pytest.raises(narx.NoAnswerError, match="no frame of drive 170"):
+        narx.connect("virtual", "empty", timeout=0.1)
+    with narx.connect("virtual", "empty", timeout=0) as drive:
+        with pytest.raises(narx.NoAnswerError, match="it may have no bootloader"):
+            drive.update(write(tmp_path, image((0, 3, 1, 99), BODY)))

@@ -19,13 +19,12 @@ pub(crate) const PACKAGE: &str = "narx-b-g431b-esc1";
 pub(crate) const PROFILE: &str = "small";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
-# The images of the board B-G431B-ESC1 (profile `small`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
-# flash, with all that the board has use for; `application` the same in a slot, with programming over CAN and without scope and hall calibration, whose
-# flash counts the header of 512 bytes that signing puts before it; `boot` the bootloader; `bare` what the board takes beside the core: start-up, vector table, drivers, both
-# ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the flash up to the parameters, the slots of narx_boot::Map::B_G431B_ESC1, and
-# 24 KiB of RAM, of which the stack needs what is left. `fits` is false as long as an image does not.
+# The images of the board B-G431B-ESC1 (profile `small`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application in its slot, with
+# all that the board has use for; its flash counts the header of 512 bytes that signing puts before it. `boot` is the bootloader, which receives over CAN.
+# `bare` is what the board takes beside the core: start-up, vector table, drivers, both ends of the flash, around a core that answers every tick with Coast. `room` is what there
+# is: narx_boot::Map::B_G431B_ESC1, and 24 KiB of RAM, of which the stack needs what is left. `fits` is false as long as an image does not.
 #
-# panics: places from which a panic can be reached in `drive` or `application`, by the function that they were written in: bounds that the compiler could not see
+# panics: places from which a panic can be reached in `drive` or `boot`, by the function that they were written in: bounds that the compiler could not see
 # are kept. On this board a panic turns the gates off and resets.
 #
 # Made anew by `cargo xtask firmware --board b-g431b-esc1 --golden`, compared within 1 % (panics exactly) by `cargo xtask test firmware`.
@@ -46,29 +45,11 @@ struct Image {
     room: u32,
 }
 
-const IMAGES: [Image; 4] = [
-    Image { name: "drive", before: 0, room: 120 << 10 },
-    Image { name: "application", before: HEADER, room: 50 << 10 },
-    Image { name: "boot", before: 0, room: 16 << 10 },
+const IMAGES: [Image; 3] = [
+    Image { name: "drive", before: HEADER, room: 96 << 10 },
+    Image { name: "boot", before: 0, room: 22 << 10 },
     // Goal for everything outside the core.
     Image { name: "bare", before: 0, room: 10 << 10 },
-];
-
-/// A way to divide the flash among images.
-struct Layout {
-    what: &'static str,
-    /// Features of the package that its images are built with.
-    features: &'static str,
-    images: &'static [&'static str],
-}
-
-const LAYOUTS: [Layout; 2] = [
-    Layout {
-        what: "a bootloader and two slots, programmed over CAN",
-        features: "slots",
-        images: &["boot", "application"],
-    },
-    Layout { what: "the application alone, programmed by a debugger", features: "alone", images: &["drive"] },
 ];
 
 /// Measured figures of an image.
@@ -89,33 +70,18 @@ pub(crate) fn path(root: &Path, image: &str) -> PathBuf {
     target_directory(root).join(EMBEDDED).join(PROFILE).join(image)
 }
 
-/// Builds and measures the images, and prints which layouts fit. With `golden` it writes the golden file;
-/// else it fails if no layout fits.
+/// Builds and measures the images. With `golden` it writes the golden file; else it fails if one does not
+/// fit.
 pub(crate) fn command(root: &Path, golden: bool) -> ExitCode {
     let done = build(root).and_then(|_| measure(root)).and_then(|measured| {
         measured.iter().for_each(|(name, figures)| steps::say(line(name, figures)));
-        let verdicts = LAYOUTS.map(|layout| (layout.what, short(&layout, &measured)));
-        for (what, short) in &verdicts {
-            let verdict =
-                if short.is_empty() { "fits".into() } else { format!("too large: {}", short.join(", ")) };
-            steps::say(format_args!("{what}: {verdict}"));
-        }
-        match () {
-            () if golden => regenerate(root, false),
-            () if verdicts.iter().any(|(_, short)| short.is_empty()) => Ok(Vec::new()),
-            () => Err("no layout fits the board".into()),
+        match measured.iter().find(|(_, figures)| !figures.fits()) {
+            _ if golden => regenerate(root, false),
+            None => Ok(Vec::new()),
+            Some((name, _)) => Err(format!("{name} does not fit the board")),
         }
     });
     steps::finish(done)
-}
-
-/// Images of a layout that do not fit, each with its size and the room that there is.
-fn short(layout: &Layout, measured: &[(&str, Measured)]) -> Vec<String> {
-    let images = measured.iter().filter(|(name, figures)| layout.images.contains(name) && !figures.fits());
-    let shown = |(name, Measured { flash, ram, room }): &(&str, Measured)| {
-        format!("{name} ({flash} bytes of flash of {room}, {ram} of RAM of {RAM_ROOM})")
-    };
-    images.map(shown).collect()
 }
 
 /// Builds all images. The bootloader accepts images of the key that the environment names, else those of the
@@ -129,18 +95,13 @@ pub(crate) fn build(root: &Path) -> Outcome {
         steps::say(
             "the bootloader takes images of the test key, which everybody has: NARX_UPDATE_KEY names another",
         );
-        ",test-key"
+        "test-key"
     } else {
         ""
     };
-    let mut lines = Vec::new();
-    for layout in LAYOUTS {
-        let mut cargo = Command::new("cargo");
-        cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bins", "--target", EMBEDDED]);
-        cargo.args(["--features", &format!("{}{key}", layout.features)]);
-        lines.extend(steps::run(cargo.current_dir(root))?);
-    }
-    Ok(lines)
+    let mut cargo = Command::new("cargo");
+    cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bins", "--target", EMBEDDED]);
+    steps::run(cargo.args(["--features", key]).current_dir(root))
 }
 
 fn measure(root: &Path) -> Result<Vec<(&'static str, Measured)>, String> {
@@ -235,7 +196,7 @@ fn misses(golden: &str, now: &str) -> Vec<String> {
 fn panics(root: &Path) -> Result<BTreeMap<String, usize>, String> {
     install::debian(&cross::PACKAGES)?;
     let mut all = BTreeMap::new();
-    for image in ["drive", "application"] {
+    for image in ["drive", "boot"] {
         for (place, count) in panics_of(root, &path(root, image))? {
             let most = all.entry(place).or_insert(0);
             *most = count.max(*most);

@@ -116,7 +116,7 @@ pub struct Node {
     log: Log,
     scope: ScopeLink,
     #[cfg(feature = "update")]
-    update: update::Update,
+    update: update::Receiver,
     /// Parameter for which the present set does not build.
     rejected: Option<u16>,
 }
@@ -179,7 +179,7 @@ impl Node {
             log: Log::default(),
             scope: ScopeLink::default(),
             #[cfg(feature = "update")]
-            update: update::Update::default(),
+            update: update::Receiver::default(),
             rejected: None,
         };
         node.show_identity();

@@ -2,15 +2,14 @@
 //! how it is written, the chip's.
 //!
 //! ```text
-//!  0        16 K           66 K              118 K   120 K      128 K
-//!  | boot   | active       | dfu             | state | parameters |      with a bootloader
-//!  | loader | header, code | its successor   |       | four pages |
-//!  | the application alone                           |            |      without
+//!  0             22 K                            118 K   120 K      128 K
+//!  | bootloader  | the slot: header, application | state | parameters |
+//!  | receives    |                               |       | four pages |
 //! ```
 
 use narx_boot::Map;
 
-/// The slots, in bytes from [`START`].
+/// The slot, in bytes from [`START`].
 pub const MAP: Map = Map::B_G431B_ESC1;
 /// Hardware id of the images that are for this board.
 pub const HARDWARE: u32 = narx_boot::hardware::B_G431B_ESC1;

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Annotated, Any
 
 import typer
@@ -87,13 +88,19 @@ def parsed(text: str) -> tuple[str, Any]:
 
 
 @contextmanager
-def connected() -> Iterator[narx.Drive]:
+def connected(bootloader: bool = False) -> Iterator[narx.Drive]:
     """Connects to the drive. At the end it does not stop the motor, which another program may have
-    started."""
+    started. bootloader: the drive may be one whose bootloader receives, which does not answer here."""
     c = Connection
-    drive = narx.connect(
-        c.interface, c.channel, c.slave, c.monitor, c.bitrate, silent=c.silent, read_parameters=False, **c.options
+    connect = partial(
+        narx.connect, c.interface, c.channel, c.slave, c.monitor, c.bitrate, silent=c.silent, read_parameters=False, **c.options
     )
+    try:
+        drive = connect()
+    except narx.NoAnswerError:
+        if not bootloader:
+            raise
+        drive = connect(timeout=0)
     try:
         yield drive
     finally:

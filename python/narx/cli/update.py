@@ -18,7 +18,7 @@ def update(
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Programs the drive with a signed image, restarts it, and confirms that the image runs."""
-    with connected() as drive, Progress(console=err) as bar:
+    with connected(bootloader=True) as drive, Progress(console=err) as bar:
         task = bar.add_task("asking", total=None)
         drive.update(
             image, lambda stage, done, total: bar.update(task, description=stage, completed=done, total=total)

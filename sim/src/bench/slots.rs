@@ -9,8 +9,8 @@ use narx_boot::{Board, Header, Map, Server, Slot, Version, boot, hardware, key};
 use narx_core::node::Identity;
 use narx_core::node::update::{SlotReply, Slots as Attached};
 
-/// As on the ST board.
-const MAP: Map = Map::B_G431B_ESC1;
+/// Two slots of 50 KiB.
+const MAP: Map = Map::stacked([16 << 10, 50 << 10, 52 << 10, 2 << 10, 8 << 10]);
 const CAPACITY: u32 = 128 << 10;
 const BOARD: Board = Board { hardware: hardware::BENCH, key: key::TEST_ONLY };
 /// Body of the image that the drive leaves the factory with.
@@ -21,7 +21,7 @@ type Flash = InternalFlash<Sparse>;
 /// Slots, bootloader and what serves the node.
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
-    server: Server<Flash>,
+    server: Server<Slot<Flash>>,
     /// The factory image stands in the active slot: signing takes its time, and most drives never see an
     /// update.
     is_filled: bool,

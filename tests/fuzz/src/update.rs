@@ -27,7 +27,7 @@ pub fn run(data: &[u8]) {
 
 struct Drive {
     node: Node,
-    server: Server<Flash>,
+    server: Server<Slot<Flash>>,
     now: u64,
     /// Version of the image that the last boot entered.
     running: Version,

@@ -23,7 +23,7 @@ const BOARD_LINTS: [&str; 12] = [
     board::PACKAGE,
     "--bins",
     "--features",
-    "alone,slots,test-key",
+    "test-key",
     "--target",
     EMBEDDED,
     "--",

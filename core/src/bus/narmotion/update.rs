@@ -172,7 +172,7 @@ impl UpdateRequest {
     }
 
     /// Decodes a Data Set whose opcode no other message has.
-    pub(super) const fn decode_set(
+    pub(crate) const fn decode_set(
         opcode: Opcode,
         Words([word0, word1, word2, word3]): Words,
     ) -> Result<Self, DecodeError> {
@@ -191,7 +191,7 @@ impl UpdateRequest {
     }
 
     /// Decodes a Data Request whose opcode no other message has.
-    pub(super) const fn decode_request(opcode: Opcode) -> Result<Self, DecodeError> {
+    pub(crate) const fn decode_request(opcode: Opcode) -> Result<Self, DecodeError> {
         Ok(match opcode {
             Opcode::UPDATE_DEVICE => Self::Device,
             Opcode::UPDATE_VERSION => Self::Version,
@@ -211,7 +211,7 @@ impl UpdateAnswer {
         }
     }
 
-    pub(super) const fn encode(self) -> Words {
+    pub(crate) const fn encode(self) -> Words {
         match self {
             Self::Device { hardware, room } => Words::long_first(hardware, (room >> 16) as u16, room as u16),
             Self::Version(ImageVersion { major, minor, patch, build }) => {
@@ -305,7 +305,7 @@ impl fmt::Display for UpdateCode {
             Self::TimedOut => "no data arrived for ten seconds",
             Self::Aborted => "the update was aborted",
             Self::Signature => "the board's bootloader does not accept the signature",
-            Self::Reverted => "the image was not confirmed, and the previous one runs again",
+            Self::Reverted => "the image was not confirmed, and does not run any more",
         })
     }
 }

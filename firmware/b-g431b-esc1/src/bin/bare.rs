@@ -17,7 +17,7 @@ mod image {
     use narx_b_g431b_esc1::chip::tick::Tick;
     use narx_b_g431b_esc1::chip::{self, reset};
     use narx_b_g431b_esc1::flash_map::{HARDWARE, MAP, SIZE};
-    use narx_boot::{Server, Slot};
+    use narx_boot::{Inside, OneSlot, Server};
     use narx_core::bus::Frame;
     use narx_core::motor::PwmCommand;
     use narx_firmware::board::{BackgroundSide, TickSide};
@@ -39,9 +39,15 @@ mod image {
         BRIDGE.give(Bridge::default());
         TICK.give(Tick::default());
         chip::listen(&mut core.NVIC);
-        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::fail() };
+        let Ok(slot) = OneSlot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::fail() };
         let mut parameters = Region::new(MAP.parameters);
-        let mut side = Loop { arriving, cause, tests: None, server: Server::new(slot), blink_due: 0 };
+        let mut side = Loop {
+            arriving,
+            cause,
+            tests: None,
+            server: Server::new(Inside { slot, addresses: [0, 0] }),
+            blink_due: 0,
+        };
         loop {
             side.wait();
             let mut page = [0; 8];

@@ -1,9 +1,126 @@
-//! The drive on the B-G431B-ESC1, alone in the flash: put there by a debugger, with everything that the board
-//! has use for.
+//! The drive on the B-G431B-ESC1, behind its bootloader, with everything that the board has use for.
 #![cfg_attr(target_os = "none", no_std, no_main)]
-
-#[cfg(target_os = "none")]
-mod image;
 
 #[cfg(not(target_os = "none"))]
 fn main() {}
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::future::poll_fn;
+    use core::task::Poll;
+    use cortex_m_rt::entry;
+    use heapless::spsc::Queue;
+    use narx_b_g431b_esc1::BOARD;
+    use narx_b_g431b_esc1::chip::background::Loop;
+    use narx_b_g431b_esc1::chip::fdcan::{self, ARRIVING, WAITING};
+    use narx_b_g431b_esc1::chip::memory::Region;
+    use narx_b_g431b_esc1::chip::power_stage::{BRIDGE, Bridge};
+    use narx_b_g431b_esc1::chip::self_test::Tests;
+    use narx_b_g431b_esc1::chip::tick::Tick;
+    use narx_b_g431b_esc1::chip::{self, reset};
+    use narx_b_g431b_esc1::flash_map::{HARDWARE, MAP, SIZE};
+    use narx_boot::{Inside, OneSlot, Server};
+    use narx_core::bus::Frame;
+    use narx_core::device::Queues;
+    use narx_core::dictionary::{Parameters, number};
+    use narx_core::node::Identity;
+    use narx_core::scope::{self, Memory};
+    use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Mailbox, Opened};
+    use narx_firmware::owned::Owned;
+    use narx_firmware::shell::{Background, Control, Progress};
+    use static_cell::StaticCell;
+    use stm32_metapac::interrupt;
+
+    /// The control interrupt's.
+    static CONTROL: Owned<&'static mut Control<'static, 'static, Tick>> = Owned::nothing();
+    static PROGRESS: Progress = Progress::new();
+
+    // Cells that are filled at start-up: as variables with a value they would stand in the flash a second
+    // time.
+    static CONTROL_PLACE: StaticCell<Control<'static, 'static, Tick>> = StaticCell::new();
+    static MAILBOX: StaticCell<Mailbox> = StaticCell::new();
+    static SCOPE: StaticCell<Memory<[u16; scope::WORDS]>> = StaticCell::new();
+    static STORAGE: StaticCell<CodeFlash<Region>> = StaticCell::new();
+
+    #[entry]
+    fn main() -> ! {
+        static mut QUEUES: Queues<'static> = Queues::new();
+        static mut ARRIVING_FRAMES: Queue<Frame, WAITING> = Queue::new();
+
+        let cause = reset::cause();
+        chip::start();
+        let tests = Some(Tests::boot());
+        let Some(mut core) = cortex_m::Peripherals::take() else { reset::fail() };
+        let storage = STORAGE.init_with(|| CodeFlash::new(Region::new(MAP.parameters)));
+        let Some(opened) = open(storage) else { reset::fail() };
+        let mailbox: &'static Mailbox = MAILBOX.init_with(Mailbox::new);
+        let (tick, mut device) = QUEUES.power_up(IDENTITY, BOARD, opened.parameters.clone());
+        device.attach_scope(SCOPE.init_with(Memory::new));
+        device.node().store_at_rest_only();
+        let server = {
+            let Ok(slot) = OneSlot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::fail() };
+            let addresses = [number::SLAVE_CAN_ADDRESS, number::MASTER_CAN_ADDRESS];
+            let addresses = addresses.map(|number| opened.parameters.raw(number) as u8);
+            let mut server = Server::new(Inside { slot, addresses });
+            // A flash that cannot be read takes no update.
+            if let Ok(slots) = server.slots() {
+                device.node().attach_update(&slots);
+            }
+            server
+        };
+        let (arriving_in, arriving) = ARRIVING_FRAMES.split();
+        ARRIVING.give(arriving_in);
+        BRIDGE.give(Bridge::default());
+        CONTROL.give(CONTROL_PLACE.init_with(|| Control::new(tick, Tick::default(), &PROGRESS)));
+        chip::listen(&mut core.NVIC);
+        let board = Loop { arriving, cause, tests, server, blink_due: 0 };
+        Background::new(device, board, &PROGRESS).with_flash(mailbox, &opened).run_with(poll_fn(
+            |_| -> Poll<()> {
+                mailbox.serve_step(storage);
+                Poll::Pending
+            },
+        ))
+    }
+
+    /// Reads what the flash holds. A board that still has the device number of the factory set is numbered by
+    /// its chip.
+    fn open(storage: &mut CodeFlash<Region>) -> Option<Opened> {
+        storage.begin(FlashTask::Open);
+        let report = loop {
+            if let Some(report) = storage.step() {
+                break report;
+            }
+        };
+        let FlashReply::Opened(mut opened) = report else { return None };
+        if opened.parameters.raw(number::DEVICE_NUMBER) == Parameters::new().raw(number::DEVICE_NUMBER) {
+            let _ = opened.parameters.set(number::DEVICE_NUMBER, reset::serial().into());
+        }
+        Some(opened)
+    }
+
+    /// The control interrupt: the converters have sampled.
+    #[interrupt]
+    fn ADC1_2() {
+        CONTROL.with(|control| control.interrupt());
+    }
+
+    /// A commutation inside the period.
+    #[interrupt]
+    fn TIM4() {
+        BRIDGE.with(Bridge::commutate);
+    }
+
+    #[interrupt]
+    fn FDCAN1_IT0() {
+        fdcan::interrupt();
+    }
+
+    /// Identity of this image.
+    const IDENTITY: Identity = Identity {
+        build_number: 1,
+        source_modified: false,
+        build_date: 20_261_122,
+        hardware_release: 3,
+        software_release: 0x0001,
+    };
+}

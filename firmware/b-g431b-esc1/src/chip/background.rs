@@ -1,15 +1,12 @@
 //! The background's side of the board.
 
-#[cfg(feature = "slots")]
 use super::memory::Region;
 use super::self_test::Tests;
 use super::{converter, fdcan, ports, reset, tick, watchdog};
 use crate::analog::{pin, reference_tap, temperature};
 use heapless::spsc::Consumer;
-#[cfg(feature = "slots")]
-use narx_boot::Server;
+use narx_boot::{Inside, Server};
 use narx_core::bus::{BusState, Frame};
-#[cfg(feature = "slots")]
 use narx_core::node::update::{SlotReply, SlotTask};
 use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_firmware::board::BackgroundSide;
@@ -23,9 +20,8 @@ pub struct Loop {
     pub cause: ResetCause,
     /// Tests that go on; without any nothing fails.
     pub tests: Option<Tests>,
-    /// Writes the slot of the bootloader.
-    #[cfg(feature = "slots")]
-    pub server: Server<Region>,
+    /// Makes way for the bootloader.
+    pub server: Server<Inside<Region>>,
     /// Time at which the LED changes next, ticks.
     pub blink_due: u64,
 }
@@ -93,7 +89,6 @@ impl BackgroundSide for Loop {
         self.tests.as_mut().map_or(SelfTests::empty(), |tests| tests.step(ticks))
     }
 
-    #[cfg(feature = "slots")]
     fn serve_update(&mut self, request: &SlotTask) -> SlotReply {
         self.server.execute(request)
     }

@@ -69,7 +69,7 @@ fn take(fifo: usize) -> Option<Option<Frame>> {
 }
 
 /// Buffers that are free.
-pub(super) fn room() -> usize {
+pub fn room() -> usize {
     usize::from(FDCAN1.txfqs().read().tffl())
 }
 
@@ -84,7 +84,7 @@ pub(super) fn has_room_for_bulk() -> bool {
 }
 
 /// Puts a frame into a free buffer, which has just been seen.
-pub(super) fn send(frame: &Frame) {
+pub fn send(frame: &Frame) {
     let buffer = usize::from(FDCAN1.txfqs().read().tfqpi()) % BUFFERS;
     for (word, value) in encode(frame).into_iter().enumerate() {
         FDCANRAM1.txbuf(ELEMENT * buffer + word).write_value(value);
@@ -99,7 +99,7 @@ pub(super) fn discard() {
 
 /// Error state and counters. A controller that has gone bus-off is let back: it waits for 129 times 11
 /// recessive bits by itself.
-pub(super) fn state() -> BusState {
+pub fn state() -> BusState {
     let state = bus_state(FDCAN1.psr().read().0, FDCAN1.ecr().read().0);
     if state.is_off() && FDCAN1.cccr().read().init() {
         FDCAN1.cccr().modify(|control| control.set_init(false));

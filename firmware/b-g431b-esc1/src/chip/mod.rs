@@ -15,6 +15,8 @@ pub mod tick;
 pub mod watchdog;
 
 use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
 use stm32_metapac::Interrupt;
 
 /// Interrupts by urgency: commutations strike any other; frames wait for a control tick.
@@ -39,7 +41,42 @@ pub fn start_for_boot() {
     ports::start_led();
 }
 
-/// There is no image to enter: the LED flickers until somebody programs one.
+/// Starts what a bootloader needs beside that to receive: clocks, pins, the bus; the gates stay off.
+pub fn start_for_loading() -> Clock {
+    clock::start();
+    ports::start();
+    fdcan::start();
+    let Some(mut core) = cortex_m::Peripherals::take() else { reset::fail() };
+    core.SYST.set_clock_source(SystClkSource::Core);
+    core.SYST.set_reload(1000 * clock::PER_US - 1);
+    core.SYST.clear_current();
+    core.SYST.enable_counter();
+    let [.., (bus, urgency)] = URGENCY;
+    reset::enable(&mut core.NVIC, bus, urgency);
+    Clock { timer: core.SYST, milliseconds: 0 }
+}
+
+/// Milliseconds, as far as somebody looks at least once in each: it stands still while a page is erased.
+pub struct Clock {
+    timer: SYST,
+    milliseconds: u64,
+}
+
+impl Clock {
+    /// Time since the start.
+    pub fn milliseconds(&mut self) -> u64 {
+        self.milliseconds += u64::from(self.timer.has_wrapped());
+        self.milliseconds
+    }
+}
+
+/// The bootloader receives: the LED flickers, and the watchdog waits.
+pub fn show_loading(now_ms: u64) {
+    watchdog::feed();
+    ports::set_led(now_ms / 100 % 2 != 0);
+}
+
+/// The flash cannot be read: the LED flickers until somebody repairs the board.
 pub fn stay() -> ! {
     loop {
         watchdog::feed();

@@ -49,5 +49,10 @@ pub(super) fn digital() -> [bool; 2] {
 pub(super) fn toggle_led() {
     let lit = !LIT.load(Ordering::Relaxed);
     LIT.store(lit, Ordering::Relaxed);
+    set_led(lit);
+}
+
+/// Turns the LED on or off.
+pub(super) fn set_led(lit: bool) {
     GPIOC.bsrr().write_value(Bsrr(if lit { 1 << LED } else { 1 << (LED + 16) }));
 }

@@ -12,7 +12,7 @@ use crate::self_test::clock::{TickMonitor, Tolerance};
 use crate::self_test::walk::Walk;
 use cortex_m::peripheral::SCB;
 use heapless::spsc::{Consumer, Producer};
-use narx_boot::Server;
+use narx_boot::{Server, Slot};
 use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::slcan::{Adapter, LINE_MAX};
 use narx_core::bus::{BusState, Frame};
@@ -86,7 +86,7 @@ pub struct World {
     /// Trouble on order.
     pub trouble: Option<Trouble>,
     /// Writes the slots, where there is a bootloader that looks at them.
-    pub server: Option<Server<Slots>>,
+    pub server: Option<Server<Slot<Slots>>>,
 }
 
 /// Self-tests of this board. It has no second clock: all clocks in the emulator count the same time, so there

@@ -10,8 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Lays a release of these libraries out and uses it: runs the consumer's program on this machine, links it for every processor,
-/// and checks that CMake refuses a processor for which there is no library.
+/// Lays a release of these libraries out and uses it: runs the consumer's program on this machine, links it
+/// for every processor, and checks that CMake refuses a processor for which there is no library.
 pub(super) fn consumed(root: &Path, libraries: &[Released]) -> Outcome {
     let release = archive::lay_out(root, libraries)?;
     let program = built(root, &release, "x86_64", &[])?;
