@@ -11,7 +11,7 @@ use crate::motor::sense::front_end::Equipment;
 use crate::scope::SCOPE;
 
 /// A well-formed request that is refused: not answered, but counted in parameter 274.
-pub struct Refused;
+pub(crate) struct Refused;
 
 impl Node {
     /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are

@@ -89,5 +89,5 @@ impl Loader {
 
 /// No motor turns under a bootloader.
 const fn moment(now_ms: u64) -> Moment {
-    Moment { now: now_ms, ticks_per_ms: 1, is_stopped: true }
+    Moment { now: now_ms, tick_rate: 1000, is_stopped: true }
 }

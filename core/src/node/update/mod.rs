@@ -4,9 +4,11 @@
 mod loader;
 mod receiver;
 
-pub use super::requests::Refused;
 pub use loader::Loader;
-pub use receiver::{Moment, Next, PIECE, Receiver};
+pub use receiver::PIECE;
+pub(crate) use receiver::{Moment, Next, Receiver};
+
+use super::requests::Refused;
 
 use super::Node;
 use crate::bus::narmotion::FromDrive;
@@ -109,6 +111,9 @@ impl Node {
 
     /// Returns the next request about the slot; at most one is under way.
     pub fn poll_update(&mut self) -> Option<SlotTask> {
+        if self.update.is_quiet() {
+            return None;
+        }
         let moment = self.moment();
         self.update.poll(moment).unwrap_or_else(|code| {
             self.tell_update(code);
@@ -134,13 +139,16 @@ impl Node {
 
     /// Checks the time-outs of receiving and of the trial.
     pub(super) fn run_update(&mut self) {
+        if self.update.is_quiet() {
+            return;
+        }
         let moment = self.moment();
         let next = self.update.run(moment);
         self.go_on_with_update(next);
     }
 
     fn moment(&self) -> Moment {
-        Moment { now: self.flash.now(), ticks_per_ms: self.ticks(1), is_stopped: self.is_stopped() }
+        Moment { now: self.flash.now(), tick_rate: self.board.tick_rate, is_stopped: self.is_stopped() }
     }
 
     fn go_on_with_update(&mut self, next: Next) {

@@ -36,26 +36,26 @@ const TRIAL_MS: u64 = 60_000;
 
 /// Time and motor at a call of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Moment {
+pub(crate) struct Moment {
     /// Time, ticks.
-    pub now: u64,
-    /// Ticks in a millisecond.
-    pub ticks_per_ms: u64,
+    pub(crate) now: u64,
+    /// Ticks per second.
+    pub(crate) tick_rate: u32,
     /// The motor stands, and no command lets it start by itself.
-    pub is_stopped: bool,
+    pub(crate) is_stopped: bool,
 }
 
 impl Moment {
     /// Returns the tick that is `milliseconds` ahead.
-    const fn after(self, milliseconds: u64) -> u64 {
-        self.now.saturating_add(milliseconds * self.ticks_per_ms)
+    fn after(self, milliseconds: u64) -> u64 {
+        self.now.saturating_add(milliseconds * u64::from(self.tick_rate / 1000).max(1))
     }
 }
 
 /// Next step after a call of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
-pub enum Next {
+pub(crate) enum Next {
     /// Nothing.
     Nothing,
     /// Send the status, with this code.
@@ -66,7 +66,7 @@ pub enum Next {
 
 /// The bus's side of the slot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Receiver {
+pub(crate) struct Receiver {
     /// The slots; `None` without a shell that does the tasks.
     slots: Option<Slots>,
     state: UpdateState,
@@ -104,7 +104,7 @@ enum Asked {
 
 impl Receiver {
     /// Over slots in this condition.
-    pub fn new(slots: &Slots) -> Self {
+    pub(crate) fn new(slots: &Slots) -> Self {
         let (state, code) = match slots.condition {
             Condition::Settled(code) => (UpdateState::Idle, code),
             Condition::Marked => (UpdateState::Marked, UpdateCode::Done),
@@ -113,11 +113,16 @@ impl Receiver {
         Self { slots: Some(*slots), state, code, ..Self::default() }
     }
 
+    /// Returns whether nothing is to be done until the next message.
+    pub(crate) fn is_quiet(&self) -> bool {
+        matches!(self.state, UpdateState::Idle | UpdateState::Marked) && self.wanted.is_none()
+    }
+
     /// Returns the next task for the slot; at most one is under way.
     ///
     /// # Errors
     /// The update has ended because the motor turns: send the status with this code.
-    pub fn poll(&mut self, moment: Moment) -> Result<Option<SlotTask>, UpdateCode> {
+    pub(crate) fn poll(&mut self, moment: Moment) -> Result<Option<SlotTask>, UpdateCode> {
         let settles = self.state == UpdateState::Erasing || self.wanted == Some(Asked::Leave);
         if self.slots.is_none() || self.asked.is_some() || (settles && moment.now < self.due) {
             return Ok(None);
@@ -133,7 +138,7 @@ impl Receiver {
     }
 
     /// Takes the reply to the last task.
-    pub fn handle_reply(&mut self, reply: SlotReply, moment: Moment) -> Next {
+    pub(crate) fn handle_reply(&mut self, reply: SlotReply, moment: Moment) -> Next {
         let Some(asked) = self.asked.take() else { return Next::Nothing };
         if core::mem::take(&mut self.stale) {
             return Next::Nothing;
@@ -170,7 +175,7 @@ impl Receiver {
     ///
     /// # Errors
     /// Nobody waits for this message.
-    pub fn handle(
+    pub(crate) fn handle(
         &mut self,
         request: UpdateRequest,
         moment: Moment,
@@ -198,7 +203,7 @@ impl Receiver {
     }
 
     /// Checks the time-outs of receiving and of the trial.
-    pub fn run(&mut self, moment: Moment) -> Next {
+    pub(crate) fn run(&mut self, moment: Moment) -> Next {
         let is_due = moment.now >= self.due;
         match self.state {
             // The clock of a shell need not begin at 0.
@@ -214,7 +219,7 @@ impl Receiver {
     }
 
     /// The answer UPDATE_STATUS, with this code.
-    pub fn status(&self, code: UpdateCode) -> UpdateAnswer {
+    pub(crate) fn status(&self, code: UpdateCode) -> UpdateAnswer {
         let (window, offset) = match self.state {
             UpdateState::Erasing | UpdateState::Verifying => (0, self.offset.min(self.length)),
             UpdateState::Receiving => ((self.room() / BLOCK) as u16, self.offset),

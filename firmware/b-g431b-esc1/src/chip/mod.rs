@@ -73,7 +73,7 @@ impl Clock {
 /// The bootloader receives: the LED flickers, and the watchdog waits.
 pub fn show_loading(now_ms: u64) {
     watchdog::feed();
-    ports::set_led(now_ms / 100 % 2 != 0);
+    ports::set_led((now_ms / 100).is_multiple_of(2));
 }
 
 /// The flash cannot be read: the LED flickers until somebody repairs the board.
