@@ -13,6 +13,7 @@ pub mod effects;
 pub mod evidence;
 pub mod header;
 pub mod pictures;
+pub mod port;
 pub mod samples;
 pub mod settings;
 

@@ -2,7 +2,8 @@
 
 use clap::{Args, Parser, Subcommand};
 use narx_generate::{
-    Make, coefficients, coverage, dbc, eds, effects, evidence, header, pictures, samples, settings, settle,
+    Make, coefficients, coverage, dbc, eds, effects, evidence, header, pictures, port, samples, settings,
+    settle,
 };
 use narx_report::root;
 use narx_report::steps::{Step, finish, run_all};
@@ -50,13 +51,14 @@ enum Job {
 }
 
 /// Documents in their order.
-const DOCUMENTS: [(&str, Make); 8] = [
+const DOCUMENTS: [(&str, Make); 9] = [
     ("coverage", coverage::make),
     ("CAN database", dbc::make),
     ("EDS", eds::make),
     ("settings of the blocks", settings::make),
     ("C header", header::make),
     ("C coefficients", coefficients::make),
+    ("tables for a port", port::make),
     ("pictures", pictures::make),
     ("evidence", evidence::make),
 ];

@@ -50,7 +50,7 @@ const SPIN: &str = "tests/c/spin.c";
 /// The control tick alone turns it.
 const SPIN_ALONE: &str = "tests/c/spin_alone.c";
 /// Programs that check themselves: the tests, and the examples that are whole programs.
-const CHECKS: [&str; 16] = [
+const CHECKS: [&str; 17] = [
     DRIVE,
     PROTOCOL,
     BLOCKS,
@@ -63,6 +63,7 @@ const CHECKS: [&str; 16] = [
     "ffi/examples/messages.c",
     "ffi/examples/motor.c",
     "ffi/examples/pi.c",
+    "ffi/examples/port.c",
     "ffi/examples/ramp.c",
     "ffi/examples/state.c",
     "ffi/examples/tx_driver.c",
