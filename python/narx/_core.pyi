@@ -31,6 +31,7 @@ class Bench:
         parameters: _Given = None,
         ambient: float = 25.0,
         seed: int = 1,
+        pwm_rate: int = 10000,
         recording: bool = True,
     ) -> Bench: ...
     @property
@@ -68,6 +69,7 @@ class Experiment:
         parameters: _Given = None,
         ambient: float = 25.0,
         seed: int = 1,
+        pwm_rate: int = 10000,
         rpm: float | None = None,
         seconds: float = 2.0,
         fault: str | None = None,
@@ -89,6 +91,7 @@ class Server:
         parameters: _Given = None,
         ambient: float = 25.0,
         seed: int = 1,
+        pwm_rate: int = 10000,
         tx_drivers: str | None = None,
         speed: float = 1.0,
         seconds: float | None = None,
@@ -113,6 +116,7 @@ class VirtualBus:
         parameters: _Given = None,
         ambient: float = 25.0,
         seed: int = 1,
+        pwm_rate: int = 10000,
         tx_drivers: Sequence[int] | None = None,
     ) -> VirtualBus: ...
     @property
@@ -307,10 +311,16 @@ class Motor:
     def __eq__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def commission(
-        self, supply_voltage: float, mode: Literal["sensorless", "hall", "open-loop"] = "sensorless"
+        self,
+        supply_voltage: float,
+        mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
+        pwm_rate: int = 10000,
     ) -> dict[str, float]: ...
     def operating_range(
-        self, supply_voltage: float, mode: Literal["sensorless", "hall", "open-loop"] = "sensorless"
+        self,
+        supply_voltage: float,
+        mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
+        pwm_rate: int = 10000,
     ) -> OperatingRange: ...
     @property
     def name(self) -> str | None: ...

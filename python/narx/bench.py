@@ -19,7 +19,8 @@ class Bench:
     The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`.
     supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
     in their units; they override those of commissioning. ambient: degrees Celsius. seed: of all noise.
-    recording: without it the bench is faster, but nothing can be replayed and there is no digest.
+    recording: without it the bench is faster, but nothing can be replayed and there is no digest. pwm_rate:
+    PWM periods and control ticks a second, 8 000 to 50 000 Hz.
     """
 
     def __init__(
@@ -32,8 +33,9 @@ class Bench:
         ambient: float = 25.0,
         seed: int = 1,
         recording: bool = True,
+        pwm_rate: int = 10_000,
     ) -> None:
-        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed, recording)
+        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._drive = Drive(BenchLink(self._bench))
 
     @property

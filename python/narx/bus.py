@@ -104,10 +104,10 @@ class World:
 class NarxBus(can.BusABC):
     """A virtual drive on its bus. Buses of one process with the same channel share one drive.
 
-    motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient and seed are
-    those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one channel and with
-    an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the clock; without it,
-    time passes only during a call that receives, as fast as it can be simulated.
+    motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient, seed and
+    pwm_rate are those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one
+    channel and with an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the
+    clock; without it, time passes only during a call that receives, as fast as it can be simulated.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ class NarxBus(can.BusABC):
     ) -> None:
         if bitrate != 500_000:
             raise can.CanInitializationError(f"bitrate {bitrate}: the drive's bus has 500000")
-        known = {"motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "tx_drivers"}
+        known = {"motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers"}
         options = {name: value for name, value in options.items() if name in known}
         try:
             self._world, self._client = World.join(str(channel), realtime, options)

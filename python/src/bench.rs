@@ -9,8 +9,9 @@ use crate::trace;
 use crate::tx_driver;
 use crate::tx_master::TxMaster;
 use narx_core::dictionary::Dictionary;
+use narx_core::motor::Board;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
-use narx_sim::session::{Session, SessionConfig};
+use narx_sim::session::{PWM_RATES, Session, SessionConfig, board_at};
 use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
@@ -26,7 +27,7 @@ pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, P
 #[pymethods]
 impl Bench {
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1,
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000,
                         recording=true))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
@@ -37,9 +38,10 @@ impl Bench {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        pwm_rate: i128,
         recording: bool,
     ) -> PyResult<Self> {
-        let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         let session = Session::new(&config).map_err(error::parameter)?;
         Ok(Self(Shared::new(if recording { session } else { session.without_recording() })))
     }
@@ -199,6 +201,7 @@ pub(crate) fn injection(
 }
 
 /// Builds the configuration of a bench.
+#[allow(clippy::too_many_arguments, reason = "those of the Python classes")]
 pub(crate) fn config(
     motor: &Motor,
     supply_voltage: f64,
@@ -207,6 +210,7 @@ pub(crate) fn config(
     parameters: Option<&Bound<'_, PyMapping>>,
     ambient: f64,
     seed: i128,
+    pwm_rate: i128,
 ) -> PyResult<SessionConfig> {
     let mut config = motor.session(supply_voltage, motor::mode(mode)?);
     config.load = load.map_or(config.load, Load::config);
@@ -215,7 +219,16 @@ pub(crate) fn config(
     config.seed = u64::try_from(seed).map_err(|_| {
         error::parameter(format!("seed {seed}: must be a whole number from 0 to {}", u64::MAX))
     })?;
+    config.board = board(pwm_rate)?;
     Ok(config)
+}
+
+/// Returns the board with this PWM rate, Hz.
+pub(crate) fn board(pwm_rate: i128) -> PyResult<Board> {
+    let (least, most) = (PWM_RATES.start(), PWM_RATES.end());
+    u32::try_from(pwm_rate).ok().and_then(board_at).ok_or_else(|| {
+        error::parameter(format!("pwm_rate {pwm_rate}: must be a whole number from {least} to {most} Hz"))
+    })
 }
 
 /// Returns parameters by number; a key that is a string is a name of the dictionary.

@@ -21,7 +21,7 @@ impl Experiment {
     /// commissioning. seconds: from the Drive request to the end. fault to fault_high are those of
     /// `narx.Bench.inject`; fault_time: s after the request.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, rpm=None, seconds=2.0,
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, rpm=None, seconds=2.0,
                         fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=0.0))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
@@ -33,6 +33,7 @@ impl Experiment {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        pwm_rate: i128,
         rpm: Option<f64>,
         seconds: f64,
         fault: Option<&str>,
@@ -41,7 +42,7 @@ impl Experiment {
         fault_high: bool,
         fault_time: f64,
     ) -> PyResult<Self> {
-        let session = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        let session = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         session.commission().map_err(error::parameter)?;
         let fault_time = error::magnitude("fault_time", fault_time, "s")?;
         let injection = |name| bench::injection(py, name, fault_value, fault_phase, fault_high);

@@ -1,6 +1,6 @@
 //! Motors and loads.
 
-use crate::error;
+use crate::{bench, error};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters};
 use narx_sim::commissioning::{Commissioning, Mode};
@@ -123,26 +123,24 @@ impl Motor {
     }
 
     /// Returns the parameters of a drive for this motor on `supply_voltage` volts by the design rules: name
-    /// -> value in its unit.
-    #[pyo3(signature = (supply_voltage, mode="sensorless"))]
+    /// -> value in its unit. pwm_rate: of its board, 8 000 to 50 000 Hz.
+    #[pyo3(signature = (supply_voltage, mode="sensorless", pwm_rate=10_000))]
     fn commission<'py>(
         &self,
         py: Python<'py>,
         supply_voltage: f64,
         mode: &str,
+        pwm_rate: i128,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let commissioning =
-            self.session(supply_voltage, self::mode(mode)?).commission().map_err(error::parameter)?;
+        let commissioning = self.commissioning(supply_voltage, mode, pwm_rate)?;
         dictionary(py, &commissioning.parameters)
     }
 
     /// Returns the speeds that a drive for this motor accepts on `supply_voltage` volts, and the allowed load
     /// at each.
-    #[pyo3(signature = (supply_voltage, mode="sensorless"))]
-    fn operating_range(&self, supply_voltage: f64, mode: &str) -> PyResult<OperatingRange> {
-        let commissioning =
-            self.session(supply_voltage, self::mode(mode)?).commission().map_err(error::parameter)?;
-        Ok(OperatingRange(commissioning))
+    #[pyo3(signature = (supply_voltage, mode="sensorless", pwm_rate=10_000))]
+    fn operating_range(&self, supply_voltage: f64, mode: &str, pwm_rate: i128) -> PyResult<OperatingRange> {
+        self.commissioning(supply_voltage, mode, pwm_rate).map(OperatingRange)
     }
 
     /// Name of a preset; `None` of any other motor.
@@ -249,6 +247,13 @@ impl Motor {
             label: format!("{}, {}", self.name().unwrap_or("motor"), mode.name()),
             ..SessionConfig::new(self.config, supply, mode)
         }
+    }
+
+    /// Returns what commissioning makes of it, on a board with this PWM rate.
+    fn commissioning(&self, supply: f64, mode: &str, pwm_rate: i128) -> PyResult<Commissioning> {
+        let board = bench::board(pwm_rate)?;
+        let config = SessionConfig { board, ..self.session(supply, self::mode(mode)?) };
+        config.commission().map_err(error::parameter)
     }
 
     fn base(&self) -> Option<&'static Preset> {

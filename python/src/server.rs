@@ -28,7 +28,7 @@ impl Server {
     /// with commas between, ":dual" behind those with two channels. speed: simulated over real time; 0 is as
     /// fast as possible. seconds: simulated time after which it ends.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None, speed=1.0,
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, tx_drivers=None, speed=1.0,
                         seconds=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
@@ -39,11 +39,13 @@ impl Server {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        pwm_rate: i128,
         tx_drivers: Option<&str>,
         speed: f64,
         seconds: Option<f64>,
     ) -> PyResult<Self> {
-        let mut config = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        let mut config =
+            bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         config.trace = false;
         let (mut bench, commissioning) = config.power_up().map_err(error::parameter)?;
         let mut notes: Vec<String> = commissioning.notes.iter().map(ToString::to_string).collect();

@@ -38,7 +38,7 @@ impl VirtualBus {
     /// Powers up a commissioned drive; arguments as those of `narx.Bench`. tx_drivers: node-ids of TX-Drivers
     /// of one channel beside it.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None))]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, tx_drivers=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
@@ -48,9 +48,11 @@ impl VirtualBus {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        pwm_rate: i128,
         tx_drivers: Option<Vec<i128>>,
     ) -> PyResult<Self> {
-        let mut config = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        let mut config =
+            bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         config.trace = false;
         let (bench, _) = config.power_up().map_err(error::parameter)?;
         let mut bench = bench.without_recording();

@@ -260,12 +260,13 @@ const BUS_MAX: f64 = 60.9;
 const TWO_PI: f64 = core::f64::consts::TAU;
 
 impl Nameplate {
-    /// The parameter set for `mode`, as [`commission_up_to`](Self::commission_up_to) without a largest speed.
+    /// The parameter set for `mode`, as [`commission_on`](Self::commission_on) for narx's own board and
+    /// without a largest speed.
     ///
     /// # Errors
     /// A supply or motor that the drive cannot run, with the value and what would be allowed.
     pub fn commission(&self, mode: Mode) -> Result<Commissioning, CommissioningError> {
-        self.commission_up_to(mode, None)
+        self.commission_on(&Board::BENCH, mode, None)
     }
 
     /// The parameter set for `mode`, with set-points up to `speed_max`, mechanical rpm.
@@ -277,16 +278,17 @@ impl Nameplate {
     /// # Errors
     /// A supply or motor that the drive cannot run, or a largest speed that it does not reach without load,
     /// with the value and what would be allowed.
-    pub fn commission_up_to(
+    pub fn commission_on(
         &self,
+        board: &Board,
         mode: Mode,
         speed_max: Option<f64>,
     ) -> Result<Commissioning, CommissioningError> {
         self.check()?;
         let mut notes = Vec::new();
-        let mut design = Design::new(self, speed_max, &mut notes)?;
-        if mode == Mode::Sensorless && !Board::BENCH.comparator_capture {
-            design.leave_room_for_samples(self.motor.pole_pairs, &mut notes)?;
+        let mut design = Design::new(self, board, speed_max, &mut notes)?;
+        if mode == Mode::Sensorless && !board.comparator_capture {
+            design.leave_room_for_samples(board, self.motor.pole_pairs, &mut notes)?;
         }
         if let Some(value) = speed_max
             && design.speed_limit != SpeedLimit::Asked
@@ -303,7 +305,7 @@ impl Nameplate {
             write(&mut parameters, number, value)?;
         }
         self.write_motor(&mut parameters)?;
-        self.write_limits(&design, &mut parameters)?;
+        self.write_limits(board, &design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
         self.write_start(mode, &design, &mut parameters)?;
         let torque = torque::points(self, &design, &parameters);
@@ -354,7 +356,7 @@ impl Nameplate {
         write(p, number::WINDING_INDUCTANCE, m.inductance)
     }
 
-    fn write_limits(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+    fn write_limits(&self, board: &Board, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         for (low, high) in
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
@@ -367,8 +369,7 @@ impl Nameplate {
         }
         // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the
         // sector stays blanked anyway.
-        let sector =
-            f64::from(Board::BENCH.tick_rate) * 10.0 / (d.speed_max * f64::from(self.motor.pole_pairs));
+        let sector = f64::from(board.tick_rate) * 10.0 / (d.speed_max * f64::from(self.motor.pole_pairs));
         write(p, number::ZC_DISCARD, fmin(2.0, libm::floor(sector / 8.0)))?;
         for duty in [number::DUTY_MAX, number::DUTY_MAX_SL] {
             write(p, duty, d.duty_max * 100.0)?;
@@ -444,11 +445,12 @@ struct Design {
 impl Design {
     fn new(
         plate: &Nameplate,
+        board: &Board,
         asked: Option<f64>,
         notes: &mut Vec<Note, 5>,
     ) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
-        let period = 1.0 / f64::from(Board::BENCH.tick_rate);
+        let period = 1.0 / f64::from(board.tick_rate);
         // A quarter above the rated current, so that the limit does not bind at the rated load.
         let needed = fmin(1.25 * plate.rated_current(), CONTINUOUS);
         let demand = Demand::new(plate, needed, asked);
@@ -512,11 +514,12 @@ impl Design {
     /// leaves its crest room.
     fn leave_room_for_samples(
         &mut self,
+        board: &Board,
         pole_pairs: u8,
         notes: &mut Vec<Note, 5>,
     ) -> Result<(), CommissioningError> {
         self.phase_current = fmin(self.phase_current, SENSORLESS_PEAK - self.ripple / 2.0);
-        let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
+        let speed = 0.98 * f64::from(board.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
         if speed < self.speed_max {
             push(notes, Note::SpeedForSampling { speed });
             (self.speed_max, self.speed_limit) = (speed, SpeedLimit::Samples);

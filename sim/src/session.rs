@@ -6,12 +6,21 @@ use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
+use core::ops::RangeInclusive;
 use narx_core::bus::Frame;
 use narx_core::dictionary::engineering::{self, ValueError};
 #[cfg(feature = "update")]
 use narx_core::master::Image;
 use narx_core::master::{Config, Job, Master, NotTaken};
-use narx_core::motor::State;
+use narx_core::motor::{Board, State};
+
+/// PWM periods, and control ticks, a second that the bench's board can have, Hz.
+pub const PWM_RATES: RangeInclusive<u32> = 8_000..=50_000;
+
+/// The bench's board at this PWM rate, Hz; `None` outside of [`PWM_RATES`].
+pub fn board_at(pwm_rate: u32) -> Option<Board> {
+    PWM_RATES.contains(&pwm_rate).then(|| Board::BENCH.at_rate(pwm_rate))
+}
 
 /// Configuration of a session: the bench, and the set-up of the drive.
 #[derive(Clone, Debug)]
@@ -20,9 +29,11 @@ pub struct SessionConfig {
     pub motor: MotorConfig,
     /// Its rated DC current, A; without it [`Nameplate::rated_current()`] estimates one.
     pub rated_current: Option<f64>,
-    /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_up_to`]; without it commissioning
+    /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_on`]; without it commissioning
     /// finds it.
     pub speed_max: Option<f64>,
+    /// Board of the drive: see [`board_at`].
+    pub board: Board,
     /// Load that the motor drives.
     pub load: LoadConfig,
     /// Supply voltage, V.
@@ -52,6 +63,7 @@ impl SessionConfig {
             motor,
             rated_current: None,
             speed_max: None,
+            board: Board::BENCH,
             load: LoadConfig { constant: 0.0, viscous: 0.0, quadratic: 0.0, inertia: 0.0 },
             supply,
             mode,
@@ -77,7 +89,7 @@ impl SessionConfig {
             supply: self.supply,
             open_loop_speed: self.open_loop_speed,
         };
-        let mut commissioning = plate.commission_up_to(self.mode, self.speed_max)?;
+        let mut commissioning = plate.commission_on(&self.board, self.mode, self.speed_max)?;
         for (number, value) in &self.parameters {
             engineering::enter(&mut commissioning.parameters, *number, *value)?;
         }
@@ -91,6 +103,7 @@ impl SessionConfig {
     pub fn power_up(&self) -> Result<(Bench, Commissioning), SessionError> {
         let commissioning = self.commission()?;
         let mut plant = PlantConfig::new(self.motor, self.supply);
+        plant.board = self.board;
         plant.load = self.load;
         plant.supply = SupplyConfig { voltage: self.supply, ..plant.supply };
         plant.hall.offset_deg = self.hall_offset_deg;

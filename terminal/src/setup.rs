@@ -1,9 +1,10 @@
 //! Set-up of the bench: motor, mode, supply and load, as typed and checked before anything runs.
 
 use clap::Args;
+use narx_core::motor::Board;
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::presets::{PRESETS, Preset, preset};
-use narx_sim::session::SessionConfig;
+use narx_sim::session::{PWM_RATES, SessionConfig, board_at};
 use std::fmt;
 
 /// Arguments of every command with a bench. Numbers are checked here, so that every refusal is one line.
@@ -20,6 +21,9 @@ pub struct Arguments {
     /// Supply voltage, V [default: the motor's nominal voltage]
     #[arg(long, allow_hyphen_values = true)]
     pub supply: Option<String>,
+    /// PWM periods, and control ticks, a second, Hz
+    #[arg(long, allow_hyphen_values = true, default_value = "10000")]
+    pub pwm_rate: String,
     /// Load torque on the shaft, N m
     #[arg(long, allow_hyphen_values = true, default_value = "0")]
     pub load: String,
@@ -59,6 +63,7 @@ impl Arguments {
         };
         let mut session = SessionConfig::new(preset.motor, supply, mode);
         session.rated_current = preset.data.rated_current;
+        session.board = board(&self.pwm_rate)?;
         let range = session.commission();
         let range = range.map_err(|error| Refused(format!("--motor {}: {error}", preset.name)))?;
         let torque = range.phase_current * preset.motor.torque_constant;
@@ -80,6 +85,14 @@ impl Setup {
             Mode::OpenLoop => "open loop",
         }
     }
+}
+
+/// Returns the board with this PWM rate.
+fn board(pwm_rate: &str) -> Result<Board, Refused> {
+    let (least, most) = (PWM_RATES.start(), PWM_RATES.end());
+    pwm_rate.parse().ok().and_then(board_at).ok_or_else(|| {
+        Refused(format!("--pwm-rate {pwm_rate}: must be a whole number from {least} to {most} Hz"))
+    })
 }
 
 fn unknown_motor(name: &str) -> Refused {

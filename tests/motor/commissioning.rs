@@ -7,7 +7,7 @@ use crate::commanded::commanded_tick;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::master::{Config, Master};
-use narx_core::motor::State;
+use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{
@@ -350,7 +350,7 @@ fn a_largest_speed_can_be_asked_for() {
     let ec90_flat = preset("ec90-flat-90w-24v").unwrap();
     let rated = Nameplate { rated_current: ec90_flat.data.rated_current, ..plate(ec90_flat.motor, 24.0) };
     for plate in [rated, plate(ec90(), 24.0)] {
-        let most = match plate.commission_up_to(Mode::Hall, Some(1e9)) {
+        let most = match plate.commission_on(&Board::BENCH, Mode::Hall, Some(1e9)) {
             Err(CommissioningError::SpeedMax { value: 1e9, least, most, limit: SpeedLimit::Voltage }) => {
                 assert!((least - 2_000.0 / 12.0).abs() < 1e-9);
                 most
@@ -360,22 +360,22 @@ fn a_largest_speed_can_be_asked_for() {
         let no_load = no_load_speed(&plate.motor, 24.0);
         assert!((0.85..0.95).contains(&(most / no_load)), "{most} of {no_load}");
         for speed in [200.0, 0.999 * most] {
-            let commissioning = plate.commission_up_to(Mode::Hall, Some(speed)).unwrap();
+            let commissioning = plate.commission_on(&Board::BENCH, Mode::Hall, Some(speed)).unwrap();
             assert_eq!((commissioning.speed_max, commissioning.speed_limit), (speed, SpeedLimit::Asked));
             let limit = engineering::value(&commissioning.parameters, number::SPEED_MAX_HES);
             assert_eq!(limit, Some(speed.round()));
         }
         for speed in [0.0, -5.0, 166.0, 1.001 * most, f64::NAN, f64::INFINITY] {
-            let error = plate.commission_up_to(Mode::Hall, Some(speed)).unwrap_err();
+            let error = plate.commission_on(&Board::BENCH, Mode::Hall, Some(speed)).unwrap_err();
             assert!(matches!(error, CommissioningError::SpeedMax { .. }), "{speed}: {error}");
         }
     }
-    let text = rated.commission_up_to(Mode::Hall, Some(9000.0)).unwrap_err().to_string();
+    let text = rated.commission_on(&Board::BENCH, Mode::Hall, Some(9000.0)).unwrap_err().to_string();
     assert!(text.starts_with("maximum speed 9000 rpm is outside 167 to "), "{text}");
     assert!(text.ends_with("rpm: the supply voltage allows no more"), "{text}");
     // Parameter 103 at its factory value would be scaled to the pole pairs.
     let fast = plate(preset("ec45-flat-50w-18v").unwrap().motor, 24.0);
-    let commissioning = fast.commission_up_to(Mode::Hall, Some(4000.0)).unwrap();
+    let commissioning = fast.commission_on(&Board::BENCH, Mode::Hall, Some(4000.0)).unwrap();
     assert_eq!(engineering::value(&commissioning.parameters, number::SPEED_MAX_HES), Some(4001.0));
     for rated_current in [0.0, -1.0, f64::NAN] {
         let plate = Nameplate { rated_current: Some(rated_current), ..rated };

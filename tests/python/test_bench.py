@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -222,3 +223,31 @@ def test_ctrl_c_ends_a_long_run(bench: narx.Bench) -> None:
     stopped = bench.time
     assert stopped < 600.0
     assert len(bench.run(0.1)) == 1000 and bench.time == pytest.approx(stopped + 0.1)
+
+
+@pytest.mark.parametrize("mode", ["hall", "sensorless"])
+@pytest.mark.parametrize("pwm_rate", [8_000, 16_000, 20_000])
+def test_the_pwm_rate_is_a_choice(mode: Literal["hall", "sensorless"], pwm_rate: int) -> None:
+    """A drive at another rate starts and holds its speed, and its recording replays."""
+    motor = narx.Motor.preset("ec45-flat-50w-18v")
+    bench = narx.Bench(motor, 18.0, mode=mode, pwm_rate=pwm_rate)
+    bench.run(0.6)
+    bench.drive.start(2000)
+    trace = bench.run(2.0)
+    assert len(trace) == 2 * pwm_rate and bench.drive.faults == set()
+    assert bench.drive.measurements.speed == pytest.approx(2000, rel=0.005)
+    captured = bench.drive.scope.capture(["Duty"], samples=20)
+    # The drive tells the time between two samples in whole microseconds.
+    assert np.diff(captured.time) == pytest.approx(1 / pwm_rate, abs=1e-6)
+
+
+def test_a_pwm_rate_beyond_the_board_is_refused() -> None:
+    motor = narx.Motor.preset("ec45-flat-50w-18v")
+    for rate in (7_999, 50_001, -1):
+        with pytest.raises(narx.ParameterError, match=f"pwm_rate {rate}: must be a whole number from 8000 to 50000 Hz"):
+            narx.Bench(motor, 18.0, pwm_rate=rate)
+        with pytest.raises(narx.ParameterError, match=f"pwm_rate {rate}: must be"):
+            motor.commission(18.0, "hall", pwm_rate=rate)
+    # A sector has four samples up to a speed that goes with the rate, until the voltage ends it.
+    slow, fast = (motor.operating_range(18.0, pwm_rate=rate).speed_max for rate in (10_000, 20_000))
+    assert fast > 1.25 * slow

@@ -101,6 +101,14 @@ impl Board {
         scaled && self.tick_rate >= 1_000 && self.tick_rate <= 100_000
     }
 
+    /// This board at another PWM rate, Hz. A tick takes as long as before: `earliest` stays where it was in
+    /// time.
+    #[must_use]
+    pub fn at_rate(self, tick_rate: u32) -> Self {
+        let earliest = u64::from(self.earliest) * u64::from(tick_rate) / u64::from(self.tick_rate.max(1));
+        Self { tick_rate, earliest: earliest.min(u16::MAX.into()) as u16, ..self }
+    }
+
     /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns
     /// dead time, two switches of 20 milliohm.
     pub const BENCH: Self = Self {
