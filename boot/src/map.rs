@@ -85,8 +85,8 @@ impl Map {
         let mut free_from = 0;
         for range in [bootloader, active, dfu, state, parameters] {
             let is_aligned = range.start.is_multiple_of(page) && range.end.is_multiple_of(page);
-            // Who has no parameters here, one slot, or runs the bootloader from elsewhere, says so by an
-            // empty range.
+            // These ranges may be empty: bootloader and parameters can lie in another flash, and a board with
+            // one slot has no `dfu`.
             let may_be_empty = range == parameters || range == bootloader || range == dfu;
             if !is_aligned || range.end < range.start || (range.is_empty() && !may_be_empty) {
                 return Err(MapError::Range);

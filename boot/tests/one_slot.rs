@@ -3,6 +3,7 @@
 
 use crate::support::{Flash, HARDWARE, Hasty, NEW, OLD, PAGE, version};
 use crate::wire::{Programmed, Wire};
+use embedded_storage::nor_flash::ReadNorFlash;
 use narx_boot::one_slot::{Addresses, Entry, Step};
 use narx_boot::{Inside, Map, MapError, OneSlot, Server, Slot, SlotError, Verdict};
 use narx_core::bus::Frame;
@@ -306,8 +307,7 @@ fn survive(tear: Tear) {
         if let Some(version) = running(&mut back) {
             let image = if version == OLD { &old } else { &new };
             let mut bytes = vec![0; image.len()];
-            embedded_storage::nor_flash::ReadNorFlash::read(back.flash(), MAP.active.start, &mut bytes)
-                .unwrap();
+            ReadNorFlash::read(back.flash(), MAP.active.start, &mut bytes).unwrap();
             assert!(bytes == *image, "step {step}: not all of {version:?}");
         }
         // A trial has to end before.
@@ -332,6 +332,35 @@ fn cuts_that_leave_a_part() {
 #[test]
 fn cuts_that_leave_garbage() {
     survive(Tear::Garbage);
+}
+
+/// A record that is torn behind any of its words, or has lost a bit, says nothing. (Its last word is that of
+/// erased flash.)
+#[test]
+fn a_damaged_record_is_none() {
+    const RECORD: usize = 32;
+    let mut slot = OneSlot::new(Device::with(&Hasty::image(OLD, 1000)).into_flash(), MAP, HARDWARE).unwrap();
+    slot.leave([7, 9]).unwrap();
+    // Behind the floor stands the record of the leaving.
+    let place = MAP.state.start + RECORD as u32;
+    let mut whole = [0; RECORD];
+    ReadNorFlash::read(slot.flash(), place, &mut whole).unwrap();
+    let torn = (0..RECORD - 8).step_by(8).map(|kept| {
+        let mut bytes = [0xFF; RECORD];
+        bytes[..kept].copy_from_slice(&whole[..kept]);
+        bytes
+    });
+    let flipped = (0..8 * RECORD).map(|bit| {
+        let mut bytes = whole;
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        bytes
+    });
+    for bytes in torn.chain(flipped) {
+        slot.flash().load(place, &bytes);
+        let condition = slot.condition().unwrap();
+        assert_eq!((condition.step, condition.addresses), (Step::Run, None), "{bytes:02X?}");
+        assert_eq!(condition.floor, Some(OLD));
+    }
 }
 
 /// More attempts than the page of records has room for.

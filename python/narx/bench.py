@@ -20,7 +20,7 @@ class Bench:
     supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
     in their units; they override those of commissioning. ambient: degrees Celsius. seed: of all noise.
     recording: without it the bench is faster, but nothing can be replayed and there is no digest. pwm_rate:
-    PWM periods and control ticks a second, 8 000 to 50 000 Hz.
+    PWM frequency, 8 000 to 50 000 Hz; every period has one control tick.
     """
 
     def __init__(

@@ -14,7 +14,7 @@ use narx_core::master::Image;
 use narx_core::master::{Config, Job, Master, NotTaken};
 use narx_core::motor::{Board, State};
 
-/// PWM periods, and control ticks, a second that the bench's board can have, Hz.
+/// PWM frequencies that the bench's board can have, Hz; every period has one control tick.
 pub const PWM_RATES: RangeInclusive<u32> = 8_000..=50_000;
 
 /// The bench's board at this PWM rate, Hz; `None` outside of [`PWM_RATES`].

@@ -21,7 +21,7 @@ pub struct Arguments {
     /// Supply voltage, V [default: the motor's nominal voltage]
     #[arg(long, allow_hyphen_values = true)]
     pub supply: Option<String>,
-    /// PWM periods, and control ticks, a second, Hz
+    /// PWM frequency, Hz; every period has one control tick
     #[arg(long, allow_hyphen_values = true, default_value = "10000")]
     pub pwm_rate: String,
     /// Load torque on the shaft, N m

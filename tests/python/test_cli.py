@@ -13,6 +13,7 @@ from typing import Any
 
 import can
 import pytest
+from signing import image as signed
 
 import narx
 
@@ -365,3 +366,13 @@ def test_replay_and_list_speak_json() -> None:
     }  # fmt: skip
     rows = json.loads(run("params", "list", "pair poles", "--json", virtual=False).stdout)
     assert [(row["number"], row["name"], row["max"]) for row in rows] == [(78, "Motor pair poles", 50)]
+
+
+def test_an_update_of_nobody_names_the_bus(tmp_path: Path) -> None:
+    """Neither a drive nor a bootloader answers: the message is that of any command."""
+    image = tmp_path / "drive.narximg"
+    image.write_bytes(signed((0, 3, 1, 99), bytes(1024)))
+    options = ["-i", "virtual", "-c", "nobody"]
+    told = [run(*options, *words, virtual=False) for words in (["info"], ["update", str(image)])]
+    assert told[0].returncode == told[1].returncode != 0
+    assert "no frame of drive 170 was received on virtual nobody" in told[1].stderr.replace("\n", " ")

@@ -95,13 +95,19 @@ def connected(bootloader: bool = False) -> Iterator[narx.Drive]:
     connect = partial(
         narx.connect, c.interface, c.channel, c.slave, c.monitor, c.bitrate, silent=c.silent, read_parameters=False, **c.options
     )
+    silence: narx.NoAnswerError | None = None
     try:
         drive = connect()
-    except narx.NoAnswerError:
+    except narx.NoAnswerError as error:
         if not bootloader:
             raise
-        drive = connect(timeout=0)
+        silence, drive = error, connect(timeout=0)
     try:
         yield drive
+    except narx.NoAnswerError:
+        if silence is not None and drive._master.last_received is None:
+            # Not even a bootloader is there.
+            raise silence from None
+        raise
     finally:
         drive.close(stop=False)

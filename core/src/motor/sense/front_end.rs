@@ -102,7 +102,7 @@ impl Board {
     }
 
     /// This board at another PWM rate, Hz. A tick takes as long as before: `earliest` stays where it was in
-    /// time.
+    /// time, within the period.
     #[must_use]
     pub fn at_rate(self, tick_rate: u32) -> Self {
         let earliest = u64::from(self.earliest) * u64::from(tick_rate) / u64::from(self.tick_rate.max(1));
