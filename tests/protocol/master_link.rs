@@ -35,7 +35,7 @@ fn requests() -> impl Strategy<Value = Vec<Request>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400000))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     /// If frames are lost, doubled as CAN doubles them, and delayed by less than half of the time-out, the
     /// master's answers are true. (The late double of a refusal may match another write of the same
