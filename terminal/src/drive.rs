@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Arguments of `drive`, as typed.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Motor, mode, supply and load of the bench
+    /// Motor, mode, supply, PWM rate and load of the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
     /// TX-Drivers on the drive's bus: their node-ids (1 to 127), separated by commas, with :dual after those
@@ -97,13 +97,7 @@ fn serve(arguments: &Arguments, settings: Settings) -> Result<(), String> {
     let Settings { mut setup, tx_drivers, speed, end } = settings;
     setup.session.trace = false;
     let (mut bench, commissioning) = setup.session.power_up().map_err(|error| error.to_string())?;
-    say(&format!(
-        "{}: {}, {} V supply, {} N m load",
-        setup.title(),
-        setup.mode_name(),
-        setup.supply,
-        setup.load
-    ));
+    say(&format!("{}: {}, {}", setup.title(), setup.mode_name(), setup.conditions()));
     commissioning.notes.iter().for_each(|note| say(&format!("  note: {note}")));
     for driver in &tx_drivers {
         bench.add_tx_driver(driver).map_err(|error| error.to_string())?;

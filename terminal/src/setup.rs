@@ -1,4 +1,4 @@
-//! Set-up of the bench: motor, mode, supply and load, as typed and checked before anything runs.
+//! Set-up of the bench: motor, mode, supply, PWM rate and load, as typed and checked before anything runs.
 
 use clap::Args;
 use narx_core::motor::Board;
@@ -84,6 +84,12 @@ impl Setup {
             Mode::Sensorless => "sensorless closed loop",
             Mode::OpenLoop => "open loop",
         }
+    }
+
+    /// Returns supply, load and PWM frequency, for titles.
+    pub(crate) fn conditions(&self) -> String {
+        let pwm_rate = f64::from(self.session.board.tick_rate) / 1e3;
+        format!("{} V supply, {} N m load, {pwm_rate} kHz PWM", self.supply, self.load)
     }
 }
 

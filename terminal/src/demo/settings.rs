@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Arguments of `demo`, as typed.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Motor, mode, supply and load of the bench
+    /// Motor, mode, supply, PWM rate and load of the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
     /// Mechanical speed, rpm; negative is Reverse [default: the middle of the motor's range]
@@ -81,8 +81,7 @@ impl Settings {
     }
 
     pub(super) fn subtitle(&self) -> String {
-        let Setup { supply, load, .. } = self.setup;
-        format!("{}, {} rpm, {supply} V supply, {load} N m load", self.setup.mode_name(), self.rpm)
+        format!("{}, {} rpm, {}", self.setup.mode_name(), self.rpm, self.setup.conditions())
     }
 
     pub(super) fn headline(&self) -> String {
@@ -123,7 +122,7 @@ mod tests {
     /// Every refusal names the argument, its value and the range, in one line.
     #[test]
     fn refusals() {
-        let cases: [(&[&str], &str); 14] = [
+        let cases: [(&[&str], &str); 17] = [
             (&["--motor", "mn7005"], "--motor mn7005: unknown motor; one of ec45"),
             (&["--supply", "12"], "--supply 12: must be a number from 18 to 60 V"),
             (&["--supply", "nan"], "--supply nan: must be"),
@@ -138,6 +137,9 @@ mod tests {
             (&["--rpm", "0"], "--rpm 0: must be a whole number from 250 to"),
             (&["--rpm", "-99999"], "--rpm -99999: must be"),
             (&["--rpm", "fast"], "--rpm fast: must be"),
+            (&["--pwm-rate", "7999"], "--pwm-rate 7999: must be a whole number from 8000 to 50000 Hz"),
+            (&["--pwm-rate", "-10000"], "--pwm-rate -10000: must be"),
+            (&["--pwm-rate", "20e3"], "--pwm-rate 20e3: must be"),
         ];
         let unknown_mode = Settings::new(&Arguments::read(&["--mode", "foc"]).unwrap()).unwrap_err();
         assert_eq!(unknown_mode.to_string(), "--mode foc: unknown mode; one of sensorless, hall, open-loop");
@@ -145,6 +147,22 @@ mod tests {
             let refused = typed(words).unwrap_err().to_string();
             assert!(refused.starts_with(expected), "{refused}");
             assert!(!refused.contains('\n'));
+        }
+    }
+
+    /// The first line of the output, the picture and the recording name the PWM rate.
+    #[test]
+    fn the_pwm_rate_is_in_the_headline() {
+        for (words, expected) in [
+            (vec!["--rpm", "2000"], "hall closed loop, 2000 rpm, 18 V supply, 0 N m load, 10 kHz PWM"),
+            (
+                vec!["--rpm", "-900", "--load", "0.02", "--pwm-rate", "12500"],
+                "hall closed loop, -900 rpm, 18 V supply, 0.02 N m load, 12.5 kHz PWM",
+            ),
+        ] {
+            let settings = typed(&words).unwrap();
+            assert_eq!(settings.subtitle(), expected);
+            assert_eq!(settings.session.label, format!("{}: {expected}", settings.title()));
         }
     }
 

@@ -37,7 +37,7 @@ const LAST_PANEL_HEIGHT: u32 = 252;
 pub struct Caption<'a> {
     /// The motor.
     pub title: &'a str,
-    /// Mode, supply and load.
+    /// Mode, speed, supply, load and PWM rate.
     pub subtitle: &'a str,
 }
 
