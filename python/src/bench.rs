@@ -77,7 +77,7 @@ impl Bench {
         let seconds = error::magnitude("seconds", seconds, "s")?;
         let ticks = self.0.with(py, |session| {
             session.bench_mut().set_trace(trace);
-            (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64
+            (seconds * f64::from(session.bench().node().board().tick_rate)).round() as u64
         });
         self.0.run(py, ticks)
     }

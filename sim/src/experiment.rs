@@ -174,8 +174,8 @@ impl Experiment {
         while session.is_start_pending() {
             session.step();
         }
-        let second = 1e9 / session.bench().period_ns() as f64;
-        let ticks_of = |seconds: f64| libm::round(seconds * second) as u64;
+        let tick_rate = f64::from(self.session.board.tick_rate);
+        let ticks_of = |seconds: f64| libm::round(seconds * tick_rate) as u64;
         let ticks = ticks_of(self.seconds);
         let breaks = self.fault.map(|(injection, time)| (injection, ticks_of(time)));
         let mut watch = Watch::new(&session, self.session.mode, target);

@@ -283,7 +283,7 @@ impl Session {
 
     /// As many ticks as `seconds` have, to the nearest; none for a negative number.
     pub fn run(&mut self, seconds: f64) {
-        let ticks = libm::round(seconds * 1e9 / self.bench.period_ns() as f64) as u64;
+        let ticks = libm::round(seconds * f64::from(self.bench.node().board().tick_rate)) as u64;
         (0..ticks).for_each(|_| self.step());
     }
 

@@ -151,7 +151,7 @@ impl Bench {
             return Err(range_error(&message));
         }
         self.core_mut().set_trace(trace.unwrap_or(true));
-        let ticks = (seconds * 1e9 / self.core().period_ns() as f64).round() as u64;
+        let ticks = (seconds * f64::from(self.tick_rate())).round() as u64;
         (0..ticks).for_each(|_| self.tick());
         Ok(self.core_mut().take_trace().into())
     }
