@@ -120,8 +120,8 @@ test("options that cannot be are named with what can", () => {
         [() => bench({ parameters: { 9999: 1 } }), "RangeError", "there is no parameter 9999"],
         [() => bench({ parameters: { speed: 1 } }), "TypeError", 'there is no parameter "speed"'],
         [() => bench({ parameters: { 118: -1 } }), "RangeError", /^parameter 118 ".*": -1.* is outside /],
-        [() => bench().start(1.5), "RangeError", "start 1.5: must be a whole number from -65535 to 65535 rpm"],
-        [() => bench().setSpeed(-1), "RangeError", "setSpeed -1: must be a whole number from 0 to 65535 rpm"],
+        [() => bench().start(1.5), "RangeError", "start 1.5: must be a whole number from -65535 to 65535"],
+        [() => bench().setSpeed(-1), "RangeError", "setSpeed -1: must be a whole number from 0 to 65535"],
         [() => bench().run(NaN), "RangeError", "run NaN: must be 0 to 3600 s"],
     ];
     for (const [call, name, message] of cases) {

@@ -8,7 +8,7 @@ use narx_sim::can::Received;
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
 use narx_sim::session::{Session, SessionConfig};
-use narx_wasm_values::error::{range_error, shown, type_error};
+use narx_wasm_values::error::{range_error, shown, type_error, whole};
 use narx_wasm_values::options::Options;
 use narx_wasm_values::trace::Trace;
 use std::collections::VecDeque;
@@ -70,6 +70,8 @@ const OPTIONS: [&str; 11] = [
     "recording",
 ];
 const LOAD_OPTIONS: [&str; 4] = ["constant", "viscous", "quadratic", "inertia"];
+/// Largest speed of MOTOR_CMD, rpm.
+const RPM_MAX: f64 = u16::MAX as f64;
 /// Largest number below which every whole number is exact.
 const SEED_MAX: f64 = 9_007_199_254_740_991.0;
 /// Longest run of one call, s.
@@ -123,7 +125,7 @@ impl Bench {
     /// Requests a speed through the operator, mechanical rpm, negative in reverse, and repeats it while time
     /// runs. The request waits for the drive's self-tests.
     pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
-        let rpm = magnitude("start", rpm, -f64::from(u16::MAX))?;
+        let rpm = whole("start", rpm, -RPM_MAX, RPM_MAX)?;
         self.operator("start")?.start(rpm as i32);
         Ok(())
     }
@@ -131,7 +133,7 @@ impl Bench {
     /// Requests another speed through the operator, rpm, in the direction of `start`.
     #[wasm_bindgen(js_name = setSpeed)]
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
-        let rpm = magnitude("setSpeed", rpm, 0.0)?;
+        let rpm = whole("setSpeed", rpm, 0.0, RPM_MAX)?;
         self.operator("setSpeed")?.set_speed(rpm as u16);
         Ok(())
     }
@@ -275,14 +277,4 @@ fn parameters(options: &Options) -> Result<Vec<(u16, f64)>, JsValue> {
         Ok((number, value.as_f64().ok_or_else(refused)?))
     };
     keys.iter().map(pair).collect()
-}
-
-/// Checks a speed for MOTOR_CMD: whole rpm of 16 bits.
-fn magnitude(call: &str, rpm: f64, min: f64) -> Result<f64, JsValue> {
-    let max = f64::from(u16::MAX);
-    if rpm.fract() == 0.0 && (min..=max).contains(&rpm) {
-        return Ok(rpm);
-    }
-    let [rpm, min, max] = [rpm, min, max].map(|number| shown(&number.into()));
-    Err(range_error(&format!("{call} {rpm}: must be a whole number from {min} to {max} rpm")))
 }

@@ -1,6 +1,6 @@
 //! Option objects: the named arguments of JavaScript.
 
-use crate::error::{list, shown, type_error};
+use crate::error::{list, range_error, shown, type_error, whole};
 use js_sys::{Object, Reflect};
 use wasm_bindgen::{JsCast, JsValue};
 
@@ -59,21 +59,18 @@ impl Options {
     /// Returns a finite number, 0 or more.
     pub fn magnitude(&self, name: &str) -> Result<Option<f64>, JsValue> {
         match self.number(name)? {
-            Some(number) if number < 0.0 => Err(self.out_of_range(name, number, "0 or more")),
+            Some(number) if number < 0.0 => {
+                let (owner, number) = (self.owner, shown(&number.into()));
+                Err(range_error(&format!("{owner}: {name} {number}: must be 0 or more")))
+            }
             number => Ok(number),
         }
     }
 
     /// Returns a whole number within `min..=max`.
     pub fn whole(&self, name: &str, min: f64, max: f64) -> Result<Option<f64>, JsValue> {
-        match self.number(name)? {
-            Some(number) if number.fract() != 0.0 || !(min..=max).contains(&number) => {
-                let bound = |limit: f64| shown(&limit.into());
-                let allowed = format!("a whole number from {} to {}", bound(min), bound(max));
-                Err(self.out_of_range(name, number, &allowed))
-            }
-            number => Ok(number),
-        }
+        let Some(number) = self.number(name)? else { return Ok(None) };
+        whole(&format!("{}: {name}", self.owner), number, min, max).map(Some)
     }
 
     /// Returns true or false.
@@ -93,14 +90,6 @@ impl Options {
 
     fn refusal(&self, name: &str, value: &JsValue, allowed: &str) -> JsValue {
         type_error(&format!("{}: {name} {}: must be {allowed}", self.owner, shown(value)))
-    }
-
-    fn out_of_range(&self, name: &str, value: f64, allowed: &str) -> JsValue {
-        crate::error::range_error(&format!(
-            "{}: {name} {}: must be {allowed}",
-            self.owner,
-            shown(&value.into())
-        ))
     }
 }
 
