@@ -96,6 +96,9 @@ export interface BenchOptions {
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
+    /** PWM frequency of the drive's board, Hz, a whole number from 8000 to 50 000; default 10 000. Every
+     * period has one control tick. */
+    pwmRate?: number;
     /** True if the bench has an operator of its own, which carries out `start`, `setSpeed` and `stop`;
      * default true. Without it, the drive is commanded by the frames of `send`. */
     operator?: boolean;

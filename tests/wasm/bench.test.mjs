@@ -57,6 +57,35 @@ test("reverse is a negative speed", () => {
     assert.ok(Math.abs(drive.value("speed") + 1500) < 20);
 });
 
+test("at a PWM rate of 20 kHz the drive holds the same speed, in finer steps of time", () => {
+    assert.equal(bench().tickRate, 10_000);
+    const speeds = [10_000, 20_000].map((pwmRate) => {
+        const drive = bench({ pwmRate });
+        assert.equal(drive.tickRate, pwmRate);
+        drive.run(0.6, false).free();
+        drive.start(2000);
+        drive.run(1.4, false).free();
+        const trace = drive.run(0.5);
+        assert.equal(trace.length, pwmRate / 2);
+        const { time } = trace;
+        assert.ok(Math.abs(time[1] - time[0] - 1 / pwmRate) < 1e-9, `${time[1] - time[0]} s`);
+        assert.ok(Math.abs(time.at(-1) - 2.5) < 1e-9);
+        assert.equal(drive.state, 5);
+        return mean(trace.column("speed"));
+    });
+    for (const speed of speeds) {
+        assert.ok(Math.abs(speed - 2000) < 10, `${speed} rpm`);
+    }
+    assert.ok(Math.abs(speeds[0] - speeds[1]) < 10, `${speeds} rpm`);
+});
+
+test("a run has its ticks exactly, also where a period is no whole number of nanoseconds", () => {
+    const drive = bench({ pwmRate: 44_100 });
+    drive.run(1, false).free();
+    assert.equal(drive.ticks, 44_100);
+    assert.equal(drive.run(30_000 / drive.tickRate).length, 30_000);
+});
+
 test("a trace has an array for each signal, and each run its own rows", () => {
     const drive = bench();
     drive.run(0.1);
@@ -116,6 +145,10 @@ test("options that cannot be are named with what can", () => {
         [() => new Bench(new Motor({ ...DATA, resistance: 0 }), { supplyVoltage: 24 }), "RangeError", "motor resistance 0 must be greater than 0"],
         [() => bench({ mode: "foc" }), "TypeError", 'Bench: mode "foc": must be one of hall, sensorless, open-loop'],
         [() => bench({ seed: -1 }), "RangeError", "Bench: seed -1: must be a whole number from 0 to 9007199254740991"],
+        [() => bench({ pwmRate: 7999 }), "RangeError", "Bench: pwmRate 7999: must be a whole number from 8000 to 50000"],
+        [() => bench({ pwmRate: 50_001 }), "RangeError", /^Bench: pwmRate 50001: must be/],
+        [() => bench({ pwmRate: 9999.5 }), "RangeError", /^Bench: pwmRate 9999.5: must be/],
+        [() => bench({ pwmRate: "fast" }), "TypeError", 'Bench: pwmRate "fast": must be a finite number'],
         [() => bench({ load: 1 }), "TypeError", "load: options must be an object, not 1"],
         [() => bench({ parameters: { 9999: 1 } }), "RangeError", "there is no parameter 9999"],
         [() => bench({ parameters: { speed: 1 } }), "TypeError", 'there is no parameter "speed"'],

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { replay } from "../../wasm/pkg/node/lab.js";
+import { replay, replayTrace } from "../../wasm/pkg/node/lab.js";
 import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
 import { replayTranscript } from "../../wasm/pkg/node/transcript.js";
 import { TRANSCRIPTS, VECTORS } from "./vectors.mjs";
@@ -56,12 +56,16 @@ test("damage is named, never replayed", () => {
     }
 });
 
-test("a run's own recording replays", () => {
-    const bench = new Bench(Motor.preset("bly172s-24v"), { supplyVoltage: 24 });
-    bench.run(0.6);
-    bench.start(1000);
-    bench.run(0.4);
-    const { ticks, digest, recordedDigest } = replay(bench.recording());
-    assert.equal(ticks, 10_000);
-    assert.equal(digest, recordedDigest);
+test("a run's own recording replays, with the times of its PWM rate", () => {
+    for (const pwmRate of [10_000, 20_000]) {
+        const bench = new Bench(Motor.preset("bly172s-24v"), { supplyVoltage: 24, pwmRate });
+        bench.run(0.6);
+        bench.start(1000);
+        bench.run(0.4);
+        const recording = bench.recording();
+        const { ticks, digest, recordedDigest } = replay(recording);
+        assert.equal(ticks, pwmRate);
+        assert.equal(digest, recordedDigest);
+        assert.ok(Math.abs(replayTrace(recording).time.at(-1) - 1) < 1e-9);
+    }
 });

@@ -7,7 +7,7 @@ use narx_sim::bench::Bench as Core;
 use narx_sim::can::Received;
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
-use narx_sim::session::{Session, SessionConfig};
+use narx_sim::session::{PWM_RATES, Session, SessionConfig};
 use narx_wasm_values::error::{range_error, shown, type_error, whole};
 use narx_wasm_values::options::Options;
 use narx_wasm_values::trace::Trace;
@@ -46,6 +46,9 @@ export interface BenchOptions {
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
+    /** PWM frequency of the drive's board, Hz, a whole number from 8000 to 50 000; default 10 000. Every
+     * period has one control tick. */
+    pwmRate?: number;
     /** True if the bench has an operator of its own, which carries out `start`, `setSpeed` and `stop`;
      * default true. Without it, the drive is commanded by the frames of `send`. */
     operator?: boolean;
@@ -56,7 +59,7 @@ export interface BenchOptions {
 }
 "#;
 
-const OPTIONS: [&str; 11] = [
+const OPTIONS: [&str; 12] = [
     "supplyVoltage",
     "load",
     "mode",
@@ -65,6 +68,7 @@ const OPTIONS: [&str; 11] = [
     "parameters",
     "ambient",
     "seed",
+    "pwmRate",
     "operator",
     "frames",
     "recording",
@@ -248,6 +252,10 @@ fn config(motor: &Motor, options: &Options) -> Result<SessionConfig, JsValue> {
     config.parameters = parameters(options)?;
     config.ambient = options.number("ambient")?.unwrap_or(config.ambient);
     config.seed = options.whole("seed", 0.0, SEED_MAX)?.map_or(config.seed, |seed| seed as u64);
+    let [least, most] = [PWM_RATES.start(), PWM_RATES.end()].map(|rate| f64::from(*rate));
+    if let Some(rate) = options.whole("pwmRate", least, most)? {
+        config.board = config.board.at_rate(rate as u32);
+    }
     Ok(config)
 }
 
