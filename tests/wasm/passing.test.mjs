@@ -6,7 +6,7 @@ import { basename } from "node:path";
 import { after, afterEach, before, test } from "node:test";
 import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { start as launch } from "./browser.mjs";
-import { drop, go, inState, isDrawn, operate, saved, start } from "./operating.mjs";
+import { drop, go, inState, isDrawn, operate, reaches, saved, start } from "./operating.mjs";
 import { VECTORS } from "./vectors.mjs";
 
 let browser;
@@ -55,6 +55,44 @@ test("a link repeats a faulty run bit for bit in another page", async () => {
     await changed.page.locator("#reproduced").waitFor();
     assert.match(await changed.page.locator("#reproduced").textContent(), new RegExp(`Not reproduced: digest [0-9a-f]{16}, expected ${digest}`));
     assert.deepEqual([...complaints, ...other.complaints, ...changed.complaints], []);
+});
+
+test("a link keeps the PWM frequency, and one without it means 10 kHz", async () => {
+    const { page, complaints } = await operate(browser, "connection");
+    assert.equal(await page.locator("#pwm-rate").inputValue(), "10000");
+    await page.locator("#pwm-rate").fill("20000");
+    await page.locator("#power-up").click();
+    await go(page, "virtual");
+    await page.locator("#pwm").getByText("PWM frequency 20 kHz: a control tick every 50 µs").waitFor();
+    await go(page, "main");
+    await inState(page, "Standby");
+    await start(page, 1800);
+    await reaches(page, 1800, 36);
+    await go(page, "virtual");
+    await page.locator("#pause").click();
+    await page.locator("#resume").waitFor();
+    const time = async (page) => Number(await page.locator("#bench-time").textContent());
+    const paused = await time(page);
+    await page.locator("#step-10-ms").click();
+    await page.waitForFunction((paused) => document.querySelector("#bench-time").textContent !== paused, paused.toFixed(5));
+    assert.ok(Math.abs((await time(page)) - paused - 0.01) < 1e-6);
+    await page.locator("#share").click();
+    const link = await page.locator("#permalink").getAttribute("href");
+
+    const other = await browser.open({}, link.slice(link.indexOf("#")));
+    await other.page.locator("#reproduced").getByText(/^Reproduced bit for bit/).waitFor();
+    await other.page.locator("#pwm").getByText("20 kHz").waitFor();
+    assert.equal(await time(other.page), await time(page));
+    await inState(other.page, "Closed-loop Hall Effect Sensors");
+
+    const without = ({ setup: { motor, options: { pwmRate, ...options } }, ...packed }) => {
+        assert.equal(pwmRate, 20_000);
+        return { ...packed, setup: { motor, options } };
+    };
+    const old = await browser.open({}, `#/operate/virtual?run=${edited(link, without)}`);
+    await old.page.locator("#reproduced").getByText(/^Not reproduced/).waitFor();
+    await old.page.locator("#pwm").getByText("PWM frequency 10 kHz: a control tick every 100 µs").waitFor();
+    assert.deepEqual([...complaints, ...other.complaints, ...old.complaints], []);
 });
 
 /** The run of a link, changed. */

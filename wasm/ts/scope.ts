@@ -65,7 +65,7 @@ export class Scope {
     }
 
     /** Sets the scope up to record the inputs of every control tick, and arms it; `downloadRecording` makes a
-     * recording of them. The memory holds 34 to 68 ms. */
+     * recording of them. At 10 kHz the memory holds 34 to 68 ms. */
     async armInputs(setup: Omit<ScopeSetup, "prescaler"> = {}): Promise<void> {
         await this.#link.record("arm scope", this.#settings(setup, 400, 0));
     }

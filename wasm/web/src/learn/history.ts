@@ -2,7 +2,7 @@
 
 import { KEPT, type Kept, type Row, type Rows } from "./messages";
 
-/** Rows of three seconds of simulated time. */
+/** Number of rows that are kept: three seconds at 10 kHz. */
 const CAPACITY = 30_000;
 
 const INDEX = Object.fromEntries(KEPT.map((name, index) => [name, index])) as Record<Kept, number>;

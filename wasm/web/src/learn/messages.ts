@@ -47,7 +47,8 @@ export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: num
 /** Message from the worker. */
 export type Answer =
     | { kind: "ready" }
-    | { kind: "opened" }
+    /** `tick`: a control tick, s. */
+    | { kind: "opened"; tick: number }
     /** New rows. `acted`: the time at which the actions began that caused them, s; absent if only time has
      * passed. */
     | { kind: "ran"; rows: Rows; frames: Received[]; acted?: number; fault?: string }

@@ -33,8 +33,8 @@ export class Simulation {
     /** True once a bench was opened and the actions of its set-up are done. */
     open = $state(false);
     readonly history = new History();
-    /** A control tick, s. */
-    readonly tick = 1e-4;
+    /** A control tick of the bench, s. */
+    tick = $state(1e-4);
     /** Called when actions are done, with the time at which they began, s. */
     handleActed: (time: number) => void = () => {};
     /** Called with every frame of the bus, if the bench keeps them; `acted` marks frames that the last
@@ -143,6 +143,7 @@ export class Simulation {
                 return this.#openWanted();
             case "opened":
                 this.history.clear();
+                this.tick = answer.tick;
                 this.age = 0;
                 this.problem = undefined;
                 return;

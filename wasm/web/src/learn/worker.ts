@@ -9,8 +9,6 @@ import { KEPT, type Action, type Answer, type Received, type Request, type Rows,
 const PERIOD = 16;
 /** Longest run at once, s. A computer that is too slow for more falls behind the clock. */
 const RUN_MAX = 0.05;
-/** A control tick, s. */
-const TICK = 1e-4;
 /** Largest number of ticks in one report: as many as a page keeps. */
 const TOLD_MAX = 30_000;
 
@@ -66,7 +64,7 @@ function act(bench: Bench, actions: Action[]): void {
                 break;
             case "nextState": {
                 const state = bench.value("state");
-                for (let left = action.seconds / TICK; left > 0 && bench.value("state") === state; left--) {
+                for (let left = action.seconds * bench.tickRate; left > 0 && bench.value("state") === state; left--) {
                     bench.step();
                 }
                 parts.push(rowsOf(bench.takeTrace()));
@@ -109,7 +107,7 @@ function open({ motor, options, before }: Setup): void {
         made.free();
     }
     owed = 0;
-    answer({ kind: "opened" });
+    answer({ kind: "opened", tick: 1 / bench.tickRate });
     act(bench, before);
 }
 
@@ -117,10 +115,11 @@ function pass(): void {
     const now = performance.now();
     owed += Math.min(((now - before) / 1000) * pace, RUN_MAX);
     before = now;
-    const ticks = Math.floor(owed / TICK);
+    const ticks = bench ? Math.floor(owed * bench.tickRate) : 0;
     if (bench && ticks > 0) {
-        owed -= ticks * TICK;
-        tell(rowsOf(bench.run(ticks * TICK)));
+        const seconds = ticks / bench.tickRate;
+        owed -= seconds;
+        tell(rowsOf(bench.run(seconds)));
     }
     setTimeout(pass, PERIOD);
 }

@@ -2,7 +2,7 @@
 
 import type { BusFrame, MotorName, Mode } from "narx";
 import type { Action, Setup } from "./bench/messages";
-import type { Run } from "./bench/run";
+import { PWM_RATE, type Run } from "./bench/run";
 import { openAdapter } from "./link/adapter";
 import { play } from "./link/playback";
 import { virtualDrive } from "./link/virtual.svelte";
@@ -16,6 +16,8 @@ export const settings = $state({
     mode: "hall" as Mode,
     /** Supply voltage, V. */
     supplyVoltage: 24,
+    /** PWM frequency of the drive's board, Hz. */
+    pwmRate: PWM_RATE,
     /** Load torques, N m, N m s/rad, N m s2/rad2, and load inertia, kg m2. */
     loadTorque: 0,
     loadViscous: 0,

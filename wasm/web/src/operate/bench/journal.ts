@@ -8,8 +8,8 @@ import type { Run } from "./run";
 /** A module with a bench: "narx" or "narx/full". */
 export type Kit = Pick<typeof import("narx"), "Bench" | "Motor">;
 
-/** Ticks from one row to the next: 1 ms at 10 kHz. */
-const STRIDE = 10;
+/** Rows a second, at most. */
+const ROWS = 1000;
 /** Largest number of copies of the bench, and their first distance in ticks. Copies are expensive: each holds
  * the recording up to its instant. */
 const [COPIES_MAX, COPIES_APART] = [12, 50_000];
@@ -108,7 +108,7 @@ export class JournalledBench {
     #see(ticks: number): { rows: Rows; frames: BusFrame[] } {
         const { ticks: before, tickRate } = this.#bench;
         const trace = this.#bench.run(ticks / tickRate);
-        const rows = thin(trace, before);
+        const rows = thin(trace, before, Math.ceil(tickRate / ROWS));
         trace.free();
         return { rows, frames: this.#bench.takeFrames() };
     }
@@ -155,10 +155,10 @@ export class JournalledBench {
     }
 }
 
-/** Selects rows at whole milliseconds, whatever the beginning of this piece of the run. */
-function thin(trace: Trace, before: number): Rows {
-    const first = (STRIDE - (before % STRIDE)) % STRIDE;
-    const every = <T extends Float32Array | Float64Array>(column: T) => column.filter((_, row) => (row - first) % STRIDE === 0) as T;
+/** Selects the rows of each `stride`-th tick of the run, whatever the beginning of this piece of it. */
+function thin(trace: Trace, before: number, stride: number): Rows {
+    const first = (stride - (before % stride)) % stride;
+    const every = <T extends Float32Array | Float64Array>(column: T) => column.filter((_, row) => (row - first) % stride === 0) as T;
     const rows = { time: every(trace.time) } as Rows;
     for (const name of ROW) {
         rows[name] = every(trace.column(name)) as Float32Array;

@@ -55,7 +55,7 @@ export interface MotorEntry {
 export const ROW = ["speed", "setpoint", "bus_current", "bus_voltage", "torque", "duty"] as const;
 export type RowName = (typeof ROW)[number];
 
-/** True values of the plant, a row each millisecond: `time` in s since power-up. */
+/** True values of the plant, a row about each millisecond: `time` in s since power-up. */
 export type Rows = Record<RowName, Float32Array> & { time: Float64Array };
 
 /** Present time of the bench. */

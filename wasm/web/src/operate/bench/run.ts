@@ -6,8 +6,10 @@ import type { Setup } from "./messages";
 
 /** Version of the format; increased when the meaning of a field changes. */
 const FORMAT = 1;
-/** Longest run that can be repeated: an hour at 10 kHz. */
-const TICKS_MAX = 36_000_000;
+/** Longest run that can be repeated, s. */
+const SECONDS_MAX = 3600;
+/** PWM rate of a set-up that has none, Hz. */
+export const PWM_RATE = 10_000;
 
 export interface Run {
     setup: Setup;
@@ -67,8 +69,9 @@ export async function decode(text: string): Promise<Run> {
     if (!setup || !frames || !after || !what || after.length !== what.length || ticks === undefined || digest === undefined) {
         throw new Error("This link is damaged: it does not contain a whole run.");
     }
-    if (!Number.isInteger(ticks) || ticks < 0 || ticks > TICKS_MAX || after.some((ticks) => !Number.isInteger(ticks) || ticks < 0)) {
-        throw new Error(`This link is damaged: its run has ${ticks} control ticks; 0 to ${TICKS_MAX} are allowed.`);
+    const ticksMax = SECONDS_MAX * (setup.options?.pwmRate ?? PWM_RATE);
+    if (!Number.isInteger(ticks) || ticks < 0 || ticks > ticksMax || after.some((ticks) => !Number.isInteger(ticks) || ticks < 0)) {
+        throw new Error(`This link is damaged: its run has ${ticks} control ticks; 0 to ${ticksMax} are allowed.`);
     }
     let tick = 0;
     const inputs = what.map((entry, index) => {

@@ -17,9 +17,9 @@ const BEHIND_MAX = 0.05;
 const UNACKNOWLEDGED_MAX = 2;
 /** Ticks between two reports of a run that is repeated. */
 const REPORT = 5000;
-/** Length of the rows and frames that are sent before an instant to which a run returns, ticks: enough for
- * the rolling plots, and for a new master. */
-const BEFORE = 80_000;
+/** Length of the rows and frames that are sent before an instant to which a run returns, s: enough for the
+ * rolling plots, and for a new master. */
+const BEFORE = 8;
 
 let journal: JournalledBench | undefined;
 let pace = 1;
@@ -94,7 +94,7 @@ async function reproduce(run: Run): Promise<void> {
 
 function seek(tick: number): void {
     const sought = opened();
-    const { rows, frames } = sought.seek(tick, BEFORE);
+    const { rows, frames } = sought.seek(tick, BEFORE * sought.bench.tickRate);
     [pace, due] = [0, 0];
     answer({ kind: "sought", now: sought.now(pace), rows, frames }, buffers(rows));
 }
