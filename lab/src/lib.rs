@@ -8,6 +8,7 @@ pub mod certificate;
 pub mod conformance;
 pub mod floor;
 pub mod promises;
+pub mod pwm_rate;
 pub mod quality;
 pub mod running;
 pub mod vectors;

@@ -11,7 +11,7 @@ use crate::tx_master::TxMaster;
 use narx_core::dictionary::Dictionary;
 use narx_core::motor::Board;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
-use narx_sim::session::{PWM_RATES, Session, SessionConfig, board_at};
+use narx_sim::session::{Session, SessionConfig, parse_board};
 use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
@@ -225,10 +225,8 @@ pub(crate) fn config(
 
 /// Returns the board with this PWM rate, Hz.
 pub(crate) fn board(pwm_rate: i128) -> PyResult<Board> {
-    let (least, most) = (PWM_RATES.start(), PWM_RATES.end());
-    u32::try_from(pwm_rate).ok().and_then(board_at).ok_or_else(|| {
-        error::parameter(format!("pwm_rate {pwm_rate}: must be a whole number from {least} to {most} Hz"))
-    })
+    parse_board(&pwm_rate.to_string())
+        .map_err(|refused| error::parameter(format!("pwm_rate {pwm_rate}: {refused}")))
 }
 
 /// Returns parameters by number; a key that is a string is a name of the dictionary.

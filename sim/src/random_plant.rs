@@ -11,6 +11,7 @@ use crate::random::Random;
 use core::f64::consts::TAU;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
+use narx_core::motor::Board;
 
 /// Ranges in which a plant's values are drawn. Factors are of the data sheet's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,15 +74,15 @@ pub struct RandomPlant {
 }
 
 impl RandomPlant {
-    /// The sensorless plant of `seed`. Combinations that commissioning refuses or that have more friction and
-    /// load than promised are drawn again, which one of a hundred draws ends; should none do, there is no
-    /// plant.
-    pub fn new(seed: u64, spread: &Spread) -> Option<Self> {
+    /// The sensorless plant of `seed`, with this board. Combinations that commissioning refuses or that have
+    /// more friction and load than promised are drawn again, which one of a hundred draws ends; should none
+    /// do, there is no plant. Another board may allow another largest set-point, and accept another draw.
+    pub fn new(seed: u64, spread: &Spread, board: &Board) -> Option<Self> {
         let mut random = Random::new(seed);
-        (0..100).find_map(|_| Self::draw(&mut random, spread, seed))
+        (0..100).find_map(|_| Self::draw(&mut random, spread, board, seed))
     }
 
-    fn draw(random: &mut Random, spread: &Spread, seed: u64) -> Option<Self> {
+    fn draw(random: &mut Random, spread: &Spread, board: &Board, seed: u64) -> Option<Self> {
         let mut between = |(low, high): (f64, f64)| low + (high - low) * random.uniform();
         let preset = PRESETS.get(between((0.0, PRESETS.len() as f64)) as usize)?;
         let inertia = libm::exp(between((libm::log(spread.inertia.0), libm::log(spread.inertia.1))));
@@ -98,7 +99,7 @@ impl RandomPlant {
             supply,
             open_loop_speed: None,
         };
-        let commissioning = plate.commission(Mode::Sensorless).ok()?;
+        let commissioning = plate.commission_on(board, Mode::Sensorless, None).ok()?;
         let range = commissioning.speed_max - commissioning.speed_min;
         let rpm = libm::ceil(commissioning.speed_min + share * range);
         let torque = load * preset.rated_torque();
@@ -115,7 +116,7 @@ impl RandomPlant {
         if resting > spread.breakaway_max * lock_torque(&commissioning, &motor, supply)? {
             return None;
         }
-        let mut plant = PlantConfig::new(motor, supply);
+        let mut plant = PlantConfig { board: *board, ..PlantConfig::new(motor, supply) };
         plant.load = if quadratic {
             LoadConfig { quadratic: torque / (speed * speed), ..LoadConfig::default() }
         } else {

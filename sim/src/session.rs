@@ -22,6 +22,27 @@ pub fn board_at(pwm_rate: u32) -> Option<Board> {
     PWM_RATES.contains(&pwm_rate).then(|| Board::BENCH.at_rate(pwm_rate))
 }
 
+/// Parses a PWM rate, Hz; returns the bench's board at this rate.
+///
+/// # Errors
+/// Fails unless the text is a whole number within [`PWM_RATES`].
+pub fn parse_board(pwm_rate: &str) -> Result<Board, PwmRateError> {
+    pwm_rate.parse().ok().and_then(board_at).ok_or(PwmRateError)
+}
+
+/// Refusal of a PWM rate. Its text states the rates that are allowed; the caller names the argument and its
+/// value before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PwmRateError;
+
+impl fmt::Display for PwmRateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "must be a whole number from {} to {} Hz", PWM_RATES.start(), PWM_RATES.end())
+    }
+}
+
+impl core::error::Error for PwmRateError {}
+
 /// Configuration of a session: the bench, and the set-up of the drive.
 #[derive(Clone, Debug)]
 pub struct SessionConfig {

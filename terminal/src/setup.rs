@@ -4,7 +4,7 @@ use clap::Args;
 use narx_core::motor::Board;
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::presets::{PRESETS, Preset, preset};
-use narx_sim::session::{PWM_RATES, SessionConfig, board_at};
+use narx_sim::session::{SessionConfig, parse_board};
 use std::fmt;
 
 /// Arguments of every command with a bench. Numbers are checked here, so that every refusal is one line.
@@ -95,10 +95,7 @@ impl Setup {
 
 /// Returns the board with this PWM rate.
 fn board(pwm_rate: &str) -> Result<Board, Refused> {
-    let (least, most) = (PWM_RATES.start(), PWM_RATES.end());
-    pwm_rate.parse().ok().and_then(board_at).ok_or_else(|| {
-        Refused(format!("--pwm-rate {pwm_rate}: must be a whole number from {least} to {most} Hz"))
-    })
+    parse_board(pwm_rate).map_err(|error| Refused(format!("--pwm-rate {pwm_rate}: {error}")))
 }
 
 fn unknown_motor(name: &str) -> Refused {

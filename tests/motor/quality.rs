@@ -1,6 +1,7 @@
 //! Small tests of control quality and the start-up certificate: one motor of the market, three random ones, a
 //! few cells of the grids.
 
+use narx_core::motor::Board;
 use narx_lab::certificate::{self, Certificate};
 use narx_lab::quality::{self, Quality};
 use narx_sim::presets::{PRESETS, Preset};
@@ -23,7 +24,7 @@ fn heads(quality: &Quality) -> Vec<(&str, &str, &str, &str, f64)> {
 #[test]
 fn quality_is_measured_as_it_is_committed() {
     let motor: Vec<&Preset> = PRESETS.iter().filter(|preset| preset.name == "ec45-flat-50w-18v").collect();
-    let quality = quality::measure(&motor, 3);
+    let quality = quality::measure(&Board::BENCH, &motor, 3);
     assert_eq!(quality.motors, 3, "every seed draws a motor");
     let committed = Quality::read(&committed("quality.json")).unwrap();
     assert_eq!(heads(&quality), heads(&committed));
@@ -41,7 +42,7 @@ fn quality_is_measured_as_it_is_committed() {
 #[test]
 fn starts_are_certified_as_they_are_committed() {
     let motors: Vec<&'static Preset> = PRESETS.iter().filter(|preset| preset.name == "bly172s-24v").collect();
-    let (certificate, picture) = certificate::measure(&motors, 11);
+    let (certificate, picture) = certificate::measure(&Board::BENCH, &motors, 11);
     assert!(certificate.part.failures.is_empty(), "{:#?}", certificate.part.failures);
     assert!(certificate.part.is_met());
     let committed = Certificate::read(&committed("starts.json")).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
-use narx_core::motor::{RunRequest, State};
+use narx_core::motor::{Board, RunRequest, State};
 use narx_lab::promises::{Point, Start, map};
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::PlantConfig;
@@ -19,7 +19,8 @@ const KNOWN: [u64; 2] = [45, 119];
 #[test]
 fn two_hundred_random_plants_start() {
     let cases: Vec<u64> = (0..200).collect();
-    let starts: Vec<Start> = map(&cases, |case| Start::run(*case)).into_iter().flatten().collect();
+    let starts: Vec<Start> =
+        map(&cases, |case| Start::run(*case, &Board::BENCH)).into_iter().flatten().collect();
     assert_eq!(starts.len(), cases.len(), "every seed draws a plant");
     let list = |holds: &dyn Fn(&&Start) -> bool| -> String {
         starts.iter().filter(holds).fold(String::new(), |mut text, start| {
@@ -90,7 +91,10 @@ fn table(mode: Mode) -> String {
     let mut points = Vec::new();
     for preset in &PRESETS {
         for supply in [18.0, 24.0, 48.0, 60.0] {
-            points.extend([0.0, 1.0].map(|load| Point { preset, mode, supply, load, rpm: None }));
+            points.extend([0.0, 1.0].map(|load| {
+                let board = Board::BENCH;
+                Point { board, preset, mode, supply, load, rpm: None }
+            }));
         }
     }
     let mut text = format!(

@@ -43,7 +43,7 @@ fn file(scenario: &Scenario) -> Vec<u8> {
 fn wrong(scenario: &Scenario) -> Vec<String> {
     let bytes = file(scenario);
     let recording = Recording::open(&bytes).unwrap();
-    let mut seen = Seen::default();
+    let mut seen = Seen::new(scenario.plant.board.tick_rate);
     let mut reported = 0;
     let outcome = replay_with(&recording, |witness: &Witness, _, _| {
         // The report of a tick is polled after the tick and before this.

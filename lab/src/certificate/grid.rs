@@ -1,5 +1,6 @@
 //! The grids, and the plant of a cell.
 
+use narx_core::motor::Board;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::Preset;
@@ -128,9 +129,9 @@ impl Cell {
             && within(&TEMPERATURE, self.temperature)
     }
 
-    /// Plant of the cell, commissioned from the data sheet, and the share of the lock's torque that friction
-    /// and load take; nothing if commissioning refuses the motor at this supply.
-    pub(super) fn plant(&self) -> Option<(RandomPlant, f64)> {
+    /// Plant of the cell with this board, commissioned from the data sheet, and the share of the lock's torque
+    /// that friction and load take; nothing if commissioning refuses the motor at this supply.
+    pub(super) fn plant(&self, board: &Board) -> Option<(RandomPlant, f64)> {
         let sheet = &self.preset.motor;
         let plate = Nameplate {
             motor: *sheet,
@@ -138,7 +139,7 @@ impl Cell {
             supply: self.supply,
             open_loop_speed: None,
         };
-        let commissioning = plate.commission(Mode::Sensorless).ok()?;
+        let commissioning = plate.commission_on(board, Mode::Sensorless, None).ok()?;
         let warmer = self.temperature - 25.0;
         let (resistance, back_emf) = (1.0 + sheet.copper_drift * warmer, 1.0 + sheet.magnet_drift * warmer);
         let motor = MotorConfig {
@@ -151,7 +152,7 @@ impl Cell {
         let lock = lock_torque(&commissioning, &motor, self.supply)?;
         let load = (self.load.unwrap_or(0.0) * lock - motor.static_friction).max(0.0);
         let breakaway = (motor.static_friction + load) / lock;
-        let mut plant = PlantConfig::new(motor, self.supply);
+        let mut plant = PlantConfig { board: *board, ..PlantConfig::new(motor, self.supply) };
         plant.load = LoadConfig { constant: load, ..LoadConfig::default() };
         plant.angle_deg = self.angle;
         let rpm = (0.5 * (commissioning.speed_min + commissioning.speed_max)).ceil() as i32;

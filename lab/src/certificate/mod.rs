@@ -6,8 +6,10 @@ mod grid;
 mod picture;
 
 use crate::promises::{Ending, Start};
+use crate::pwm_rate::{self, PwmRate};
 use clap::Args;
 use grid::{Cell, GRIDS};
+use narx_core::motor::Board;
 use narx_host::parallel::map;
 use narx_report::figures::{self, Figure, Part};
 use narx_sim::presets::{PRESETS, Preset};
@@ -24,7 +26,10 @@ pub struct Arguments {
     /// Motors of the market by name, separated by commas; without a name all of them
     #[arg(long, value_delimiter = ',')]
     pub motors: Vec<String>,
-    /// Folder for starts.json and certificate.svg
+    #[command(flatten)]
+    rate: PwmRate,
+    /// Folder for starts.json and certificate.svg; at another PWM rate than 10 kHz their names have it:
+    /// starts-20kHz.json
     #[arg(long, default_value = "docs/evidence")]
     pub out: PathBuf,
 }
@@ -37,6 +42,9 @@ const STARTED: f64 = 99.9;
 /// Results of the measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
+    /// PWM rate, Hz.
+    #[serde(default = "pwm_rate::default")]
+    pub pwm_rate: u32,
     /// Figures and failures within the promise.
     pub part: Part,
     /// Starts by the share of the lock's torque that friction and load take: upper bound of the share, number
@@ -56,11 +64,20 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         eprintln!("no motor {}: {}", arguments.motors.join(","), PRESETS.map(|preset| preset.name).join(" "));
         return ExitCode::FAILURE;
     }
+    let board = match arguments.rate.board() {
+        Ok(board) => board,
+        Err(reason) => {
+            eprintln!("{reason}");
+            return ExitCode::FAILURE;
+        }
+    };
     let begun = Instant::now();
-    let (certificate, picture) = measure(&presets, 1);
+    let (certificate, picture) = measure(&board, &presets, 1);
     let out = root.join(&arguments.out);
-    let written = certificate.write(&out.join("starts.json")).and_then(|()| {
-        let path = out.join("certificate.svg");
+    let [starts, drawing] =
+        ["starts.json", "certificate.svg"].map(|name| pwm_rate::file(Path::new(name), &board));
+    let written = certificate.write(&out.join(&starts)).and_then(|()| {
+        let path = out.join(&drawing);
         picture.and_then(|picture| {
             fs::write(&path, picture).map_err(|error| format!("{}: {error}", path.display()))
         })
@@ -69,13 +86,16 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         eprintln!("{reason}");
         return ExitCode::FAILURE;
     }
+    println!("PWM rate: {} Hz", certificate.pwm_rate);
     println!("{}", figures::table(std::slice::from_ref(&certificate.part)));
     for (ending, (within, beyond)) in &certificate.endings {
         println!("{ending}: {within} within the promise, {beyond} beyond");
     }
     println!(
-        "written to {}: starts.json certificate.svg ({:.0} s)",
+        "written to {}: {} {} ({:.0} s)",
         out.display(),
+        starts.display(),
+        drawing.display(),
         begun.elapsed().as_secs_f64()
     );
     if certificate.part.is_met() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
@@ -97,8 +117,12 @@ impl Tried {
     }
 }
 
-/// Runs every grid over these motors, or every `every`th of its cells, and draws the picture.
-pub fn measure(presets: &[&'static Preset], every: usize) -> (Certificate, Result<String, String>) {
+/// Runs every grid over these motors on this board, or every `every`th of its cells, and draws the picture.
+pub fn measure(
+    board: &Board,
+    presets: &[&'static Preset],
+    every: usize,
+) -> (Certificate, Result<String, String>) {
     let mut cells = Vec::new();
     for (grid, plan) in GRIDS.iter().enumerate() {
         for preset in presets {
@@ -106,19 +130,21 @@ pub fn measure(presets: &[&'static Preset], every: usize) -> (Certificate, Resul
         }
     }
     let cells: Vec<(usize, Cell)> = cells.into_iter().step_by(every).collect();
-    let tried: Vec<Tried> = map(&cells, |(grid, cell)| run(*grid, cell)).into_iter().flatten().collect();
+    let tried: Vec<Tried> =
+        map(&cells, |(grid, cell)| run(board, *grid, cell)).into_iter().flatten().collect();
     let refused = cells.len() - tried.len();
-    (Certificate::new(&tried, refused), picture::svg(&tried))
+    (Certificate::new(board, &tried, refused), picture::svg(board, &tried))
 }
 
-fn run(grid: usize, cell: &Cell) -> Option<Tried> {
-    let (plant, breakaway) = cell.plant()?;
+fn run(board: &Board, grid: usize, cell: &Cell) -> Option<Tried> {
+    let (plant, breakaway) = cell.plant(board)?;
     Some(Tried { grid, cell: *cell, breakaway, start: Start::of(plant) })
 }
 
 impl Certificate {
-    fn new(tried: &[Tried], refused: usize) -> Self {
-        let mut certificate = Self::default();
+    fn new(board: &Board, tried: &[Tried], refused: usize) -> Self {
+        let mut certificate = Self { pwm_rate: board.tick_rate, ..Self::default() };
+        let rate = pwm_rate::argument(board);
         let promised: Vec<&Tried> = tried.iter().filter(|one| one.is_promised()).collect();
         let count =
             |of: &[&Tried], holds: fn(&Start) -> bool| of.iter().filter(|one| holds(&one.start)).count();
@@ -129,7 +155,7 @@ impl Certificate {
         let unaccounted = all.len() - count(&all, Start::is_accounted_for);
         certificate.part = Part {
             part: "certificate".into(),
-            command: "cargo xtask certificate".into(),
+            command: format!("cargo xtask certificate{rate}"),
             figures: vec![
                 Figure::new("starts", tried.len() as f64, "")
                     .note(format!("{refused} more that commissioning refuses")),
@@ -161,7 +187,7 @@ impl Certificate {
             *(if one.is_promised() { within } else { beyond }) += 1;
             if one.is_promised() || !one.start.is_accounted_for() {
                 certificate.part.failures.push(format!(
-                    "{}; friction and load {:.0} % of the lock's torque: cargo xtask certificate --motors {}",
+                    "{}; friction and load {:.0} % of the lock's torque: cargo xtask certificate --motors {}{rate}",
                     one.start,
                     100.0 * one.breakaway,
                     one.start.drawn.preset.name

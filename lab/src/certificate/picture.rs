@@ -4,6 +4,8 @@
 use super::Tried;
 use super::grid::{Axis, GRIDS, Grid};
 use crate::promises::picture::{Area, DrawError, INK, SCALE, VERMILION, px, write};
+use crate::pwm_rate;
+use narx_core::motor::Board;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -14,21 +16,26 @@ const HEIGHT: u32 = 500;
 type Count = (u32, u32);
 
 /// Draws the picture of all starts.
-pub(super) fn svg(tried: &[Tried]) -> Result<String, String> {
+pub(super) fn svg(board: &Board, tried: &[Tried]) -> Result<String, String> {
     let mut text = String::new();
     {
         let size = (WIDTH * SCALE, HEIGHT * SCALE);
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        draw(&root, tried).map_err(|error| error.to_string())?;
+        draw(&root, board, tried).map_err(|error| error.to_string())?;
     }
     let large = format!("width=\"{}\" height=\"{}\"", WIDTH * SCALE, HEIGHT * SCALE);
     Ok(text.replacen(&large, &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""), 1))
 }
 
-fn draw(root: &Area<'_>, tried: &[Tried]) -> Result<(), DrawError> {
+fn draw(root: &Area<'_>, board: &Board, tried: &[Tried]) -> Result<(), DrawError> {
     root.fill(&WHITE)?;
+    let rate = if board.tick_rate == pwm_rate::default() {
+        String::new()
+    } else {
+        format!(" at a PWM rate of {} kHz", pwm_rate::kilohertz(board))
+    };
     let title = format!(
-        "{} sensorless starts, commissioned from data sheets alone: how many of 100 succeed",
+        "{} sensorless starts{rate}, commissioned from data sheets alone: how many of 100 succeed",
         tried.len()
     );
     write(root, &title, (px(24), px(26)), 19, HPos::Left, true)?;

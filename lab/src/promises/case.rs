@@ -2,6 +2,7 @@
 
 use super::start::Start;
 use super::trial::Trial;
+use narx_core::motor::Board;
 use narx_host::csv;
 use narx_sim::random_plant::{RandomPlant, Spread};
 use narx_terminal::plot::{self, Caption};
@@ -9,9 +10,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-/// Runs the start of that seed and writes its files. Returns true if the motor started.
-pub(super) fn replay(seed: u64, out: &Path) -> io::Result<bool> {
-    let Some(drawn) = RandomPlant::new(seed, &Spread::PROMISED) else {
+/// Runs the start of that seed on this board and writes its files. Returns true if the motor started.
+pub(super) fn replay(seed: u64, board: &Board, out: &Path) -> io::Result<bool> {
+    let Some(drawn) = RandomPlant::new(seed, &Spread::PROMISED, board) else {
         println!("seed {seed} draws no plant that commissioning accepts");
         return Ok(false);
     };

@@ -13,10 +13,11 @@ const GOAL: f64 = 0.9;
 
 /// Measures every preset at its nominal supply, at rated torque in the middle of its speed range or at the
 /// speed that the ratings allow.
-pub(super) fn part(_: &Context<'_>) -> Part {
+pub(super) fn part(context: &Context<'_>) -> Part {
     let points: Vec<Point<'_>> = PRESETS
         .iter()
         .map(|preset| Point {
+            board: context.board,
             preset,
             mode: Mode::Sensorless,
             supply: preset.data.nominal_voltage.clamp(18.0, 60.0),

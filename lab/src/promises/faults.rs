@@ -2,8 +2,8 @@
 //! qualifies.
 
 use super::Context;
-use super::trial::{TICK, Trial};
-use narx_core::motor::{Cause, State, Step};
+use super::trial::Trial;
+use narx_core::motor::{Board, Cause, State, Step};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
 use narx_sim::can::Attachment;
@@ -45,7 +45,7 @@ const STATES: [State; 6] = [
 ];
 
 /// Tries every trouble in every state in which something may be driven, and in Standby.
-pub(super) fn part(_: &Context<'_>) -> Part {
+pub(super) fn part(context: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for trouble in TROUBLES {
         // In Standby a master need not send.
@@ -54,7 +54,7 @@ pub(super) fn part(_: &Context<'_>) -> Part {
             STATES.into_iter().filter(|s| anywhere || *s != State::Standby).map(|state| (trouble, state)),
         );
     }
-    let results = map(&points, |((_, trouble), state)| latency(*trouble, *state));
+    let results = map(&points, |((_, trouble), state)| latency(*trouble, *state, &context.board));
     let mut failures = Vec::new();
     let mut longest = TROUBLES.map(|(name, _)| (name, 0_u32));
     for (((name, _), state), result) in points.iter().zip(&results) {
@@ -80,7 +80,7 @@ pub(super) fn part(_: &Context<'_>) -> Part {
 }
 
 /// Number of ticks from the cause until the bridge is off.
-fn latency(trouble: Trouble, state: State) -> Result<u32, String> {
+fn latency(trouble: Trouble, state: State, board: &Board) -> Result<u32, String> {
     let mode = if state == State::HallClosedLoop { Mode::Hall } else { Mode::Sensorless };
     let motor = preset(MOTOR).ok_or("no such motor")?;
     let plate = Nameplate {
@@ -89,8 +89,8 @@ fn latency(trouble: Trouble, state: State) -> Result<u32, String> {
         supply: SUPPLY,
         open_loop_speed: None,
     };
-    let commissioning = plate.commission(mode).map_err(|error| error.to_string())?;
-    let mut plant = PlantConfig::new(motor.motor, SUPPLY);
+    let commissioning = plate.commission_on(board, mode, None).map_err(|error| error.to_string())?;
+    let mut plant = PlantConfig { board: *board, ..PlantConfig::new(motor.motor, SUPPLY) };
     plant.angle_deg = 77.0;
     let mut trial = Trial::new(&plant, &commissioning, "", false);
     if state != State::Standby {
@@ -130,5 +130,5 @@ fn latency(trouble: Trouble, state: State) -> Result<u32, String> {
     if status.extended_code != expected as u16 {
         return Err(format!("code {:#06x} instead of {:#06x}", status.extended_code, expected as u16));
     }
-    Ok((seconds / TICK).round() as u32)
+    Ok((seconds / trial.tick_seconds).round() as u32)
 }

@@ -6,7 +6,7 @@ use super::trial::Trial;
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::Mode;
-use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::plant::LoadConfig;
 use narx_sim::presets::PRESETS;
 use std::f64::consts::TAU;
 
@@ -14,10 +14,11 @@ use std::f64::consts::TAU;
 pub(crate) const BACK: f64 = 0.5;
 
 /// Measures every preset at four supplies where the limits allow rated torque.
-pub(super) fn part(_: &Context<'_>) -> Part {
+pub(super) fn part(context: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
         points.extend([18.0, 24.0, 48.0, 60.0].map(|supply| Point {
+            board: context.board,
             preset,
             mode: Mode::Sensorless,
             supply,
@@ -81,7 +82,7 @@ pub(crate) fn stops_unseen(point: &Point<'_>) -> bool {
 /// Time until the speed, averaged over 10 ms, stays within 1 %, s.
 pub(crate) fn step(point: &Point<'_>) -> Result<f64, String> {
     let plan = point.plan()?;
-    let mut plant = PlantConfig::new(point.preset.motor, point.supply);
+    let mut plant = point.plant();
     plant.angle_deg = 77.0;
     let mut trial = Trial::new(&plant, &plan.commissioning, "", false);
     let target = f64::from(plan.rpm);

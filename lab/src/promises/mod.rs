@@ -22,7 +22,9 @@ pub use operating::{Figures, Point};
 pub use start::{Ending, Start};
 
 use crate::floor;
+use crate::pwm_rate::{self, PwmRate};
 use clap::Args;
+use narx_core::motor::Board;
 use narx_report::figures::{self, Part, Report};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -43,7 +45,10 @@ pub struct Arguments {
     /// Measure these parts only, separated by commas; the figures of the others stay in the file
     #[arg(long, value_delimiter = ',', value_parser = names())]
     pub only: Vec<String>,
-    /// Folder for bench.json and starts.svg
+    #[command(flatten)]
+    rate: PwmRate,
+    /// Folder for bench.json and starts.svg; at another PWM rate than 10 kHz their names have it:
+    /// bench-20kHz.json
     #[arg(long, default_value = "target")]
     pub out: PathBuf,
 }
@@ -56,6 +61,8 @@ fn names() -> clap::builder::PossibleValuesParser {
 pub(crate) struct Context<'a> {
     /// Folder of the working copy.
     pub(crate) root: &'a Path,
+    /// Board of every drive.
+    pub(crate) board: Board,
     /// Seeds of the random plants.
     cases: Vec<u64>,
     /// Folder for pictures.
@@ -63,6 +70,9 @@ pub(crate) struct Context<'a> {
 }
 
 type Measure = fn(&Context<'_>) -> Part;
+
+/// Name of the part about the bare tick by hand in C, which has 10 kHz: it is left out at any other rate.
+const FLOOR: &str = "floor";
 
 /// All parts in the order of the table: promises of control, then what the bench costs.
 const PARTS: [(&str, Measure); 11] = [
@@ -76,22 +86,17 @@ const PARTS: [(&str, Measure); 11] = [
     ("faults", faults::part),
     ("sweep", sweep::part),
     ("scope", scope::part),
-    ("floor", |context| floor::part(context.root)),
+    (FLOOR, |context| floor::part(context.root)),
 ];
 
 /// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
-    if let Some(seed) = arguments.case {
-        return match case::replay(seed, &arguments.out.join(format!("case-{seed}"))) {
-            Ok(true) => ExitCode::SUCCESS,
-            Ok(false) => ExitCode::FAILURE,
-            Err(error) => {
-                eprintln!("{}: {error}", arguments.out.display());
-                ExitCode::FAILURE
-            }
-        };
-    }
-    match run(root, arguments) {
+    let outcome = arguments.rate.board().and_then(|board| match arguments.case {
+        Some(seed) => case::replay(seed, &board, &arguments.out.join(format!("case-{seed}")))
+            .map_err(|error| format!("{}: {error}", arguments.out.display())),
+        None => run(root, &board, arguments),
+    });
+    match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(reason) => {
@@ -102,18 +107,22 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
 }
 
 /// Measures the parts; returns true if no goal is missed.
-fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
-    let path = arguments.out.join("bench.json");
+fn run(root: &Path, board: &Board, arguments: &Arguments) -> Result<bool, String> {
+    let path = pwm_rate::file(&arguments.out.join("bench.json"), board);
     let cases = starts::cases(arguments.seed, arguments.runs);
-    let context = Context { root, cases, out: &arguments.out };
+    let context = Context { root, board: *board, cases, out: &arguments.out };
     let mut measured = Vec::new();
+    println!("PWM rate: {} Hz", board.tick_rate);
     for (name, measure) in PARTS {
         if !arguments.only.is_empty() && !arguments.only.iter().any(|only| only == name) {
             continue;
         }
+        if name == FLOOR && board.tick_rate != pwm_rate::default() {
+            continue;
+        }
         let begun = Instant::now();
         println!("{name} ...");
-        let part = Part { part: name.into(), command: repeat(name, arguments), ..measure(&context) };
+        let part = Part { part: name.into(), command: repeat(name, board, arguments), ..measure(&context) };
         println!("  {:.0} s", begun.elapsed().as_secs_f64());
         // Each part is written as soon as it is measured, beside those that others have written meanwhile:
         // hours are not lost with one failure.
@@ -128,8 +137,8 @@ fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
 }
 
 /// Command that measures a part again.
-fn repeat(name: &str, arguments: &Arguments) -> String {
-    let mut text = format!("cargo xtask bench --only {name}");
+fn repeat(name: &str, board: &Board, arguments: &Arguments) -> String {
+    let mut text = format!("cargo xtask bench --only {name}{}", pwm_rate::argument(board));
     let random = ["start", "steady"].contains(&name);
     if random && arguments.runs != 10_000 {
         text += &format!(" --runs {}", arguments.runs);

@@ -2,11 +2,11 @@
 //! figures of a run.
 
 use super::trial::Trial;
-use narx_core::motor::State;
 use narx_core::motor::control::limits::power_rating;
 use narx_core::motor::machine::event::Limiter;
+use narx_core::motor::{Board, State};
 use narx_core::units::Volts;
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
+use narx_sim::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use std::f64::consts::TAU;
@@ -25,6 +25,8 @@ pub(crate) const SETTLE: f64 = 0.5;
 /// An operating point.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<'a> {
+    /// Board of the drive.
+    pub board: Board,
     /// The motor.
     pub preset: &'a Preset,
     /// Control mode, hall or sensorless.
@@ -88,7 +90,7 @@ impl Point<'_> {
     pub(crate) fn run_after(&self, settle: f64) -> Result<Figures, String> {
         let plan = self.plan()?;
         let speed = f64::from(plan.rpm) * TAU / 60.0;
-        let mut plant = PlantConfig::new(self.preset.motor, self.supply);
+        let mut plant = self.plant();
         plant.load = LoadConfig { quadratic: plan.torque / (speed * speed), ..LoadConfig::default() };
         plant.angle_deg = 77.0;
         let mut trial = Trial::new(&plant, &plan.commissioning, "", false);
@@ -103,7 +105,17 @@ impl Point<'_> {
     /// The fastest set-point that the limits allow with this load, rpm.
     pub(crate) fn speed_max(&self) -> Option<f64> {
         let most = self.speed_for(self.load * self.preset.rated_torque());
-        Some(most.min(self.plate().commission(self.mode).ok()?.speed_max))
+        Some(most.min(self.commission().ok()?.speed_max))
+    }
+
+    /// The motor on its supply, without load.
+    pub(crate) fn plant(&self) -> PlantConfig {
+        PlantConfig { board: self.board, ..PlantConfig::new(self.preset.motor, self.supply) }
+    }
+
+    /// Commissions the motor for its mode.
+    pub(crate) fn commission(&self) -> Result<Commissioning, CommissioningError> {
+        self.plate().commission_on(&self.board, self.mode, None)
     }
 
     fn plate(&self) -> Nameplate {
@@ -117,7 +129,7 @@ impl Point<'_> {
     }
 
     pub(crate) fn plan(&self) -> Result<Plan, String> {
-        let commissioning = self.plate().commission(self.mode).map_err(|error| error.to_string())?;
+        let commissioning = self.commission().map_err(|error| error.to_string())?;
         let torque = self.load * self.preset.rated_torque();
         let needed = self.current(torque);
         let current = commissioning.phase_current.min(CONTINUOUS);

@@ -5,11 +5,11 @@ use super::operating::Point;
 use super::trial::Trial;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
-use narx_core::motor::State;
+use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::commissioning::{Commissioning, Mode};
+use narx_sim::plant::LoadConfig;
 use narx_sim::presets::{PRESETS, Preset};
 use std::f64::consts::TAU;
 
@@ -19,9 +19,9 @@ const RANGE: f64 = 50.0;
 const NEAR: f64 = 0.01;
 
 /// Measures each preset at the best of four supplies.
-pub(super) fn part(_: &Context<'_>) -> Part {
+pub(super) fn part(context: &Context<'_>) -> Part {
     let presets: Vec<&Preset> = PRESETS.iter().collect();
-    let results = map(&presets, |preset| best(preset));
+    let results = map(&presets, |preset| best(preset, context.board));
     let reached = results.iter().filter(|(range, _)| *range >= RANGE).count();
     let each: Vec<String> = presets
         .iter()
@@ -34,32 +34,32 @@ pub(super) fn part(_: &Context<'_>) -> Part {
 }
 
 /// Largest range that is held, and its supply.
-fn best(preset: &'static Preset) -> (f64, f64) {
+fn best(preset: &'static Preset, board: Board) -> (f64, f64) {
     let supplies = [18.0, 24.0, 48.0, 60.0];
     supplies
         .into_iter()
-        .map(|supply| (range(preset, supply), supply))
+        .map(|supply| Point { board, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None })
+        .map(|point| (range(&point), point.supply))
         .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best })
 }
 
 /// Ratio of the largest set-point to the slowest that is held within 1 %, without load.
-fn range(preset: &'static Preset, supply: f64) -> f64 {
-    let point = Point { preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None };
+fn range(point: &Point<'_>) -> f64 {
     let Ok(plan) = point.plan() else { return 0.0 };
     let top = plan.commissioning.speed_max.floor();
-    if held(preset, supply, top, top).is_none() {
+    if held(point, top, top).is_none() {
         return 0.0;
     }
     [100.0, 70.0, RANGE, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0]
         .into_iter()
-        .find(|share| held(preset, supply, top, (top / share).floor()).is_some())
+        .find(|share| held(point, top, (top / share).floor()).is_some())
         .unwrap_or(1.0)
 }
 
 /// Mean speed if it is held for a second within 1 %, with the smallest set-point lowered to it.
-fn held(preset: &'static Preset, supply: f64, top: f64, rpm: f64) -> Option<f64> {
-    let commissioning = commission(preset, supply, rpm.min(top))?;
-    let mut plant = PlantConfig::new(preset.motor, supply);
+fn held(point: &Point<'_>, top: f64, rpm: f64) -> Option<f64> {
+    let commissioning = commission(point, rpm.min(top))?;
+    let mut plant = point.plant();
     plant.angle_deg = 77.0;
     plant.load = LoadConfig::default();
     let mut trial = Trial::new(&plant, &commissioning, "", false);
@@ -73,10 +73,8 @@ fn held(preset: &'static Preset, supply: f64, top: f64, rpm: f64) -> Option<f64>
     (closed(&trial) && (mean / rpm - 1.0).abs() < NEAR).then_some(mean)
 }
 
-fn commission(preset: &Preset, supply: f64, least: f64) -> Option<Commissioning> {
-    let rated_current = preset.data.rated_current;
-    let plate = Nameplate { motor: preset.motor, rated_current, supply, open_loop_speed: None };
-    let mut commissioning = plate.commission(Mode::Sensorless).ok()?;
+fn commission(point: &Point<'_>, least: f64) -> Option<Commissioning> {
+    let mut commissioning = point.commission().ok()?;
     if least < commissioning.speed_min {
         engineering::set(&mut commissioning.parameters, number::SPEED_MIN_SL, least).ok()?;
     }

@@ -4,6 +4,7 @@
 use super::Context;
 use narx_core::dictionary::number;
 use narx_core::master::{Download, Request};
+use narx_core::motor::Board;
 use narx_core::motor::signal::Signal;
 use narx_core::scope::State;
 use narx_report::figures::{Figure, Part};
@@ -20,8 +21,8 @@ const WORDS: u32 = SIGNALS.len() as u32 * SAMPLES as u32;
 const PATIENCE: f64 = 10.0;
 
 /// Makes and downloads a record.
-pub(super) fn part(_: &Context<'_>) -> Part {
-    match measure() {
+pub(super) fn part(context: &Context<'_>) -> Part {
+    match measure(context.board) {
         Ok(figures) => Part::new(figures, Vec::new()),
         Err(reason) => Part::new(
             vec![Figure::new("download of a scope record", f64::NAN, "s").at_least(0.0)],
@@ -30,10 +31,11 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     }
 }
 
-fn measure() -> Result<Vec<Figure>, String> {
+fn measure(board: Board) -> Result<Vec<Figure>, String> {
     let motor = preset("ec45-flat-50w-18v").ok_or("no such motor")?;
     let config = SessionConfig {
         rated_current: motor.data.rated_current,
+        board,
         trace: false,
         ..SessionConfig::new(motor.motor, 18.0, Mode::Hall)
     };

@@ -1,7 +1,7 @@
 //! One sensorless start of a random plant, from the Drive request to its end.
 
-use super::trial::{TICK, Trial};
-use narx_core::motor::State;
+use super::trial::Trial;
+use narx_core::motor::{Board, State};
 use narx_sim::random_plant::{RandomPlant, Spread};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -61,9 +61,9 @@ pub struct Start {
 }
 
 impl Start {
-    /// Runs the start of that seed; `None` if no plant follows from it.
-    pub fn run(case: u64) -> Option<Self> {
-        let drawn = RandomPlant::new(case, &Spread::PROMISED)?;
+    /// Runs the start of that seed on this board; `None` if no plant follows from it.
+    pub fn run(case: u64, board: &Board) -> Option<Self> {
+        let drawn = RandomPlant::new(case, &Spread::PROMISED, board)?;
         let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
         Some(Self::follow(case, drawn, &mut trial))
     }
@@ -80,9 +80,9 @@ impl Start {
         let (mut first_try, mut driven, mut since) = (true, false, None);
         let mut ending = Ending::Undecided;
         let (mut from, mut estimates) = (*trial.seen(), Mean::default());
-        for tick in 1..=(LONGEST / TICK) as u32 {
+        for tick in 1..=(LONGEST / trial.tick_seconds).round() as u32 {
             trial.tick();
-            let (now, state) = (f64::from(tick) * TICK, trial.state());
+            let (now, state) = (f64::from(tick) * trial.tick_seconds, trial.state());
             driven |= state.is_driving();
             first_try &= state != State::SensorlessAutoRestart;
             match state {

@@ -3,7 +3,8 @@
 use super::start::Start;
 use super::trial::Trial;
 use super::{Context, picture};
-use narx_core::motor::State;
+use crate::pwm_rate;
+use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -25,10 +26,11 @@ pub(super) fn cases(seed: u64, runs: u64) -> Vec<u64> {
 
 /// Measures starts of random plants, and draws their picture.
 pub(super) fn part(context: &Context<'_>) -> Part {
-    let starts: Vec<Start> = map(&context.cases, |case| Start::run(*case)).into_iter().flatten().collect();
-    let mut part = judge(&starts, context.cases.len());
+    let starts: Vec<Start> =
+        map(&context.cases, |case| Start::run(*case, &context.board)).into_iter().flatten().collect();
+    let mut part = judge(&starts, context);
     let drawn = picture::svg(&starts).and_then(|picture| {
-        let path = context.out.join("starts.svg");
+        let path = pwm_rate::file(&context.out.join("starts.svg"), &context.board);
         fs::create_dir_all(context.out)
             .and_then(|()| fs::write(&path, picture))
             .map_err(|error| format!("{}: {error}", path.display()))
@@ -37,7 +39,7 @@ pub(super) fn part(context: &Context<'_>) -> Part {
     part
 }
 
-fn judge(starts: &[Start], asked: usize) -> Part {
+fn judge(starts: &[Start], context: &Context<'_>) -> Part {
     let count = |holds: fn(&Start) -> bool| starts.iter().filter(|start| holds(start)).count();
     let (first, started) = (count(Start::started_at_once), count(Start::started));
     let unaccounted = starts.len() - count(Start::is_accounted_for);
@@ -49,9 +51,10 @@ fn judge(starts: &[Start], asked: usize) -> Part {
     let peak = starts.iter().map(|start| start.peak_current).fold(0.0, f64::max);
     let beyond =
         |start: &&Start| !start.started() || start.to_closed_loop > SOON.1 || start.peak_current > PEAK;
+    let rate = pwm_rate::argument(&context.board);
     let failures = starts.iter().filter(beyond).map(|start| {
         let Start { case, to_closed_loop, peak_current, .. } = start;
-        format!("{start}; closed loop after {to_closed_loop:.2} s, {peak_current:.1} A: cargo xtask bench --case {case}")
+        format!("{start}; closed loop after {to_closed_loop:.2} s, {peak_current:.1} A: cargo xtask bench --case {case}{rate}")
     });
     Part::new(
         vec![
@@ -62,7 +65,8 @@ fn judge(starts: &[Start], asked: usize) -> Part {
                 .note(format!("{first} of {}", starts.len())),
             Figure::new("ends that are neither a start, Standby nor a named fault", unaccounted as f64, "")
                 .at_most(0.0),
-            Figure::new("seeds that draw no plant", (asked - starts.len()) as f64, "").at_most(0.0),
+            Figure::new("seeds that draw no plant", (context.cases.len() - starts.len()) as f64, "")
+                .at_most(0.0),
             Figure::new("request to closed loop, random plants, slowest", slowest, "s").at_most(SOON.1),
             Figure::new("request to closed loop, random plants, median", median, "s"),
             Figure::new("phase current, random plants, peak", peak, "A").at_most(PEAK).note("12 A and 5 %"),
@@ -73,14 +77,14 @@ fn judge(starts: &[Start], asked: usize) -> Part {
 
 /// Measures every preset with the values of its data sheet, at four supplies, each with the slowest of eight
 /// angles.
-pub(super) fn nominal(_: &Context<'_>) -> Part {
+pub(super) fn nominal(context: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
         points.extend([18.0, 24.0, 48.0, 60.0].map(|supply| (preset, supply)));
     }
     let times = map(&points, |(preset, supply)| {
         let angles = (0..8).map(|eighth| 45.0 * f64::from(eighth));
-        angles.map(|angle| to_closed_loop(preset, *supply, angle)).fold(0.0, f64::max)
+        angles.map(|angle| to_closed_loop(preset, *supply, angle, &context.board)).fold(0.0, f64::max)
     });
     let slowest = times.iter().copied().fold(0.0, f64::max);
     let late = points.iter().zip(&times).filter(|(_, time)| **time > SOON.0);
@@ -92,15 +96,15 @@ pub(super) fn nominal(_: &Context<'_>) -> Part {
 
 /// Time from the request to state 4, s; infinite if it takes more than 5 s, 0 if commissioning refuses the
 /// motor.
-fn to_closed_loop(preset: &Preset, supply: f64, angle_deg: f64) -> f64 {
+fn to_closed_loop(preset: &Preset, supply: f64, angle_deg: f64, board: &Board) -> f64 {
     let plate = Nameplate {
         motor: preset.motor,
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,
     };
-    let Ok(commissioning) = plate.commission(Mode::Sensorless) else { return 0.0 };
-    let plant = PlantConfig { angle_deg, ..PlantConfig::new(preset.motor, supply) };
+    let Ok(commissioning) = plate.commission_on(board, Mode::Sensorless, None) else { return 0.0 };
+    let plant = PlantConfig { angle_deg, board: *board, ..PlantConfig::new(preset.motor, supply) };
     let mut trial = Trial::new(&plant, &commissioning, "", false);
     trial.start((0.5 * (commissioning.speed_min + commissioning.speed_max)) as i32);
     trial.until(5.0, |trial| trial.state() == State::SensorlessClosedLoop).unwrap_or(f64::INFINITY)

@@ -3,7 +3,8 @@
 use super::Context;
 use super::operating::{Figures, Point, SETTLE, measure};
 use super::trial::Trial;
-use narx_core::motor::State;
+use crate::pwm_rate;
+use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::Mode;
@@ -26,14 +27,21 @@ pub(super) fn part(context: &Context<'_>) -> Part {
         let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
         for electrical in ELECTRICAL_RPM {
             let rpm = Some((electrical / f64::from(preset.motor.pole_pairs)).ceil());
-            points.extend([0.0, 1.0].map(|load| Point { preset, mode: Mode::Sensorless, supply, load, rpm }));
+            points.extend([0.0, 1.0].map(|load| Point {
+                board: context.board,
+                preset,
+                mode: Mode::Sensorless,
+                supply,
+                load,
+                rpm,
+            }));
         }
     }
     let allowed: Vec<Point<'_>> = points.into_iter().filter(|point| point.plan().is_ok()).collect();
     let of_presets = map(&allowed, |point| (name(point), point.run()));
     let chosen: Vec<u64> = context.cases.iter().copied().step_by(EVERY).take(PLANTS_MAX).collect();
     let of_plants: Vec<(String, Result<Figures, String>)> =
-        map(&chosen, |case| random(*case)).into_iter().flatten().collect();
+        map(&chosen, |case| random(*case, &context.board)).into_iter().flatten().collect();
     let mut part = judge("presets", of_presets);
     part.join(judge("random plants", of_plants));
     part
@@ -45,8 +53,8 @@ fn name(point: &Point<'_>) -> String {
 }
 
 /// Runs a random plant at its own set-point if that is within the promised speeds.
-fn random(case: u64) -> Option<(String, Result<Figures, String>)> {
-    let drawn = RandomPlant::new(case, &Spread::PROMISED)?;
+fn random(case: u64, board: &Board) -> Option<(String, Result<Figures, String>)> {
+    let drawn = RandomPlant::new(case, &Spread::PROMISED, board)?;
     let electrical = f64::from(drawn.rpm.abs()) * f64::from(drawn.preset.motor.pole_pairs);
     if electrical > ELECTRICAL_RPM[3] {
         return None;
@@ -56,7 +64,8 @@ fn random(case: u64) -> Option<(String, Result<Figures, String>)> {
     // A plant that cannot reach its set-point is limited by torque or supply: only steady running is
     // judged here.
     let limited = figures.as_ref().map_or_else(|why| why.starts_with("set-point"), |f| !f.unlimited);
-    let name = format!("{} at {} rpm, cargo xtask bench --case {case}", drawn.preset.name, drawn.rpm);
+    let rate = pwm_rate::argument(board);
+    let name = format!("{} at {} rpm, cargo xtask bench --case {case}{rate}", drawn.preset.name, drawn.rpm);
     (!limited).then_some((name, figures))
 }
 

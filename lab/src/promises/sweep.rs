@@ -1,11 +1,12 @@
 //! Scaling of a sweep with threads: the short run of `narx.sweep`, on one thread and on all.
 
 use super::Context;
+use narx_core::motor::Board;
 use narx_host::parallel::{for_each, threads};
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::Mode;
 use narx_sim::experiment::Experiment;
-use narx_sim::presets::PRESETS;
+use narx_sim::presets::{PRESETS, Preset};
 use narx_sim::session::SessionConfig;
 use std::time::Instant;
 
@@ -17,8 +18,9 @@ const SHARE_MIN: f64 = 0.8;
 const SECONDS: f64 = 1.5;
 
 /// Runs every preset with hall sensors at its nominal supply, twice.
-pub(super) fn part(_: &Context<'_>) -> Part {
-    let runs: Vec<Experiment> = PRESETS.iter().chain(&PRESETS).map(experiment).collect();
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let runs: Vec<Experiment> =
+        PRESETS.iter().chain(&PRESETS).map(|preset| experiment(preset, context.board)).collect();
     let most = threads();
     let mut best = [0.0_f64; 2];
     for _ in 0..ROUNDS {
@@ -39,9 +41,10 @@ pub(super) fn part(_: &Context<'_>) -> Part {
     )
 }
 
-fn experiment(preset: &narx_sim::presets::Preset) -> Experiment {
+fn experiment(preset: &Preset, board: Board) -> Experiment {
     let session = SessionConfig {
         rated_current: preset.data.rated_current,
+        board,
         trace: false,
         ..SessionConfig::new(preset.motor, preset.data.nominal_voltage.clamp(18.0, 60.0), Mode::Hall)
     };

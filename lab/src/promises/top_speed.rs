@@ -1,11 +1,11 @@
-//! The promise about top speed at a control tick of 100 us, with sampled back-EMF and with time-stamped
-//! edges.
+//! The promise about top speed, with sampled back-EMF and with time-stamped edges. A sector needs samples or
+//! ticks, so the promised speed is in proportion to the PWM rate.
 
 use super::Context;
 use super::trial::Trial;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
-use narx_core::motor::State;
+use narx_core::motor::{Board, State};
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{ComparatorConfig, MotorConfig, PlantConfig};
@@ -31,15 +31,30 @@ const FAN: f64 = 0.005;
 /// Delay of the comparators, s.
 const DELAY: f64 = 2e-6;
 
+/// Set-points that are tried, electrical rpm.
+const SPEEDS: [i32; 11] =
+    [16_000, 20_000, 24_000, 26_000, 28_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000];
+/// Those with time-stamped edges.
+const EDGE_SPEEDS: [i32; 7] = [24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000];
+/// Promised electrical revolutions per minute for each hertz of the PWM rate: 24 000 and 50 000 at 10 kHz.
+const SAMPLED: f64 = 2.4;
+const EDGES: f64 = 5.0;
+/// The same for the highest set-point that is tried with sampled back-EMF: 3.3 samples a sector.
+const SAMPLED_MAX: f64 = 3.0;
+/// Largest promised speed, electrical rpm: the motor reaches little more at this supply.
+const PROMISED_MAX: f64 = 50_000.0;
+
 /// Searches for the highest set-point that is held within 0.5 %, in steps.
-pub(super) fn part(_: &Context<'_>) -> Part {
-    let sampled = highest(false, &[16_000, 20_000, 24_000, 26_000, 28_000, 30_000]);
-    let edges = highest(true, &[24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000]);
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let board = context.board;
+    let rate = f64::from(board.tick_rate);
+    let tried: Vec<i32> = SPEEDS.into_iter().filter(|rpm| f64::from(*rpm) <= SAMPLED_MAX * rate).collect();
     let mut part = Part::default();
     for (name, least, (speed, why)) in [
-        ("top speed, sampled back-EMF", 24_000.0, sampled),
-        ("top speed, time-stamped edges", 50_000.0, edges),
+        ("top speed, sampled back-EMF", SAMPLED, highest(&board, false, &tried)),
+        ("top speed, time-stamped edges", EDGES, highest(&board, true, &EDGE_SPEEDS)),
     ] {
+        let least = (least * rate).min(PROMISED_MAX);
         let figure = Figure::new(name, f64::from(speed), "electrical rpm").at_least(least);
         if !figure.is_met() {
             part.failures.extend(why);
@@ -50,11 +65,11 @@ pub(super) fn part(_: &Context<'_>) -> Part {
 }
 
 /// Returns the last set-point that was held, and the reason why the next was not.
-fn highest(edges: bool, speeds: &[i32]) -> (i32, Option<String>) {
+fn highest(board: &Board, edges: bool, speeds: &[i32]) -> (i32, Option<String>) {
     let motor = motor();
     let mut held = 0;
     for electrical in speeds {
-        match hold(motor, edges, *electrical) {
+        match hold(board, motor, edges, *electrical) {
             Ok(()) => held = *electrical,
             Err(why) => return (held, Some(format!("{electrical} electrical rpm: {why}"))),
         }
@@ -62,11 +77,11 @@ fn highest(edges: bool, speeds: &[i32]) -> (i32, Option<String>) {
     (held, None)
 }
 
-fn hold(motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> {
+fn hold(board: &Board, motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> {
     let rpm = electrical / i32::from(motor.pole_pairs);
-    let commissioning = commission(motor, edges, rpm)?;
+    let commissioning = commission(board, motor, edges, rpm)?;
     let mut plant = PlantConfig::new(motor, SUPPLY);
-    plant.board.comparator_capture = edges;
+    plant.board = Board { comparator_capture: edges, ..*board };
     plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
     let full = 50_000.0 / f64::from(motor.pole_pairs) / 60.0 * TAU;
     plant.load.quadratic = FAN / (full * full);
@@ -90,9 +105,10 @@ fn hold(motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> 
 
 /// Commissions the motor with the largest set-point raised to `rpm`: commissioning alone would keep four
 /// samples a sector.
-fn commission(motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning, String> {
+fn commission(board: &Board, motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning, String> {
     let plate = Nameplate { motor, rated_current: None, supply: SUPPLY, open_loop_speed: None };
-    let mut commissioning = plate.commission(Mode::Sensorless).map_err(|error| error.to_string())?;
+    let commissioning = plate.commission_on(board, Mode::Sensorless, None);
+    let mut commissioning = commissioning.map_err(|error| error.to_string())?;
     let mut set = |number, value| {
         engineering::set(&mut commissioning.parameters, number, value).map_err(|error| error.to_string())
     };
@@ -101,7 +117,7 @@ fn commission(motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning
     }
     if edges {
         // The comparators' 2 us, in ticks.
-        set(number::ZC_DELAY, DELAY * 1e4)?;
+        set(number::ZC_DELAY, DELAY * f64::from(board.tick_rate))?;
     }
     Ok(commissioning)
 }

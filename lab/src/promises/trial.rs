@@ -1,5 +1,6 @@
 //! A commissioned drive on the bench, run tick by tick, with the observations of a test engineer.
 
+use crate::pwm_rate;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
@@ -8,10 +9,8 @@ use narx_sim::commutations::Commutations;
 use narx_sim::plant::{Observation, PlantConfig};
 use std::f64::consts::TAU;
 
-/// Ticks from power-up until the drive accepts requests: boot (0.5 s) and two of the master's periods.
-const BOOT: u32 = 6_000;
-/// Duration of a tick, s.
-pub(crate) const TICK: f64 = 1e-4;
+/// Time from power-up until the drive accepts requests, s: boot (0.5 s) and two of the master's periods.
+const BOOT: f64 = 0.6;
 
 /// A run.
 pub(crate) struct Trial {
@@ -23,6 +22,8 @@ pub(crate) struct Trial {
     /// Highest bus voltage so far, V.
     pub(crate) bus_highest: f64,
     commutations: Commutations,
+    /// Duration of a control tick, s.
+    pub(crate) tick_seconds: f64,
 }
 
 impl Trial {
@@ -40,8 +41,9 @@ impl Trial {
         master.stop();
         let seen = bench.plant().observe();
         let commutations = Commutations::default();
-        let mut trial = Self { bench, master, seen, peak: 0.0, bus_highest: 0.0, commutations };
-        (0..BOOT).for_each(|_| trial.tick());
+        let tick_seconds = pwm_rate::tick(&plant.board);
+        let mut trial = Self { bench, master, seen, peak: 0.0, bus_highest: 0.0, commutations, tick_seconds };
+        trial.run_while(BOOT, |_| true);
         trial
     }
 
@@ -72,7 +74,7 @@ impl Trial {
 
     /// Runs `seconds` of ticks; returns false as soon as `holds` is false.
     pub(crate) fn run_while(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
-        let ticks = (seconds / TICK).round() as u32;
+        let ticks = (seconds / self.tick_seconds).round() as u32;
         (0..ticks).all(|_| {
             self.tick();
             holds(self)
@@ -81,12 +83,12 @@ impl Trial {
 
     /// Returns the seconds until `holds` is true, if that takes at most `most`.
     pub(crate) fn until(&mut self, most: f64, holds: impl Fn(&Self) -> bool) -> Option<f64> {
-        let ticks = (most / TICK).round() as u32;
+        let ticks = (most / self.tick_seconds).round() as u32;
         let found = (1..=ticks).find(|_| {
             self.tick();
             holds(self)
         });
-        found.map(|ticks| f64::from(ticks) * TICK)
+        found.map(|ticks| f64::from(ticks) * self.tick_seconds)
     }
 
     /// Runs `seconds`; returns the mean true speed, rpm.

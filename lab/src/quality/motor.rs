@@ -1,5 +1,7 @@
 //! Random motors: not those of the market with deviations, but any motor that a data sheet could describe.
 
+use crate::pwm_rate;
+use narx_core::motor::Board;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig};
 use narx_sim::presets::{DataSheet, Preset};
@@ -9,6 +11,8 @@ use std::f64::consts::TAU;
 /// A motor and its operating conditions.
 #[derive(Clone, Debug)]
 pub(super) struct Subject {
+    /// Board of the drive.
+    pub(super) board: Board,
     pub(super) preset: Preset,
     /// Supply voltage, V.
     pub(super) supply: f64,
@@ -22,11 +26,11 @@ pub(super) struct Subject {
 /// Electrical speeds of the promise: 500 to 4000 rpm with 4 pole pairs.
 pub(super) const ELECTRICAL_RPM: [f64; 4] = [2_000.0, 4_000.0, 8_000.0, 16_000.0];
 
-/// Draws the random motor of a seed. It draws again until commissioning accepts the motor in both modes, at
-/// most a thousand times; if none is accepted, there is no motor.
-pub(super) fn random(seed: u64) -> Option<Subject> {
+/// Draws the random motor of a seed for this board. It draws again until commissioning accepts the motor in
+/// both modes, at most a thousand times; if none is accepted, there is no motor.
+pub(super) fn random(board: &Board, seed: u64) -> Option<Subject> {
     let mut random = Random::new(seed);
-    (0..1_000).find_map(|_| draw(&mut random, seed))
+    (0..1_000).find_map(|_| draw(&mut random, board, seed))
 }
 
 /// Draws a motor. It follows from its purpose (power, speed, supply) and from ratios that do not depend on
@@ -45,7 +49,7 @@ pub(super) fn random(seed: u64) -> Option<Subject> {
 /// | cogging, of rated torque | 0 | 3 % | |
 /// | pole pairs | 1 | 14 | |
 /// | back-EMF | sine, or a flat top of 100 to 150 degrees | | |
-fn draw(random: &mut Random, seed: u64) -> Option<Subject> {
+fn draw(random: &mut Random, board: &Board, seed: u64) -> Option<Subject> {
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
     let power = between(5.0_f64.ln(), 250.0_f64.ln()).exp();
     let speed = between(1_000.0_f64.ln(), 12_000.0_f64.ln()).exp() * TAU / 60.0;
@@ -84,19 +88,22 @@ fn draw(random: &mut Random, seed: u64) -> Option<Subject> {
         rated_current: Some(current),
     };
     let plate = Nameplate { motor, rated_current: Some(current), supply, open_loop_speed: None };
-    [Mode::Hall, Mode::Sensorless].into_iter().try_for_each(|mode| plate.commission(mode).map(drop)).ok()?;
+    for mode in [Mode::Hall, Mode::Sensorless] {
+        plate.commission_on(board, mode, None).ok()?;
+    }
     let preset =
         Preset { name: "random motor", maker: "", part: "", motor, data, sources: &[], estimates: &[] };
-    let command = format!("cargo xtask quality --case {seed}");
-    Some(Subject { preset, supply, place: Some(place), command })
+    let command = format!("cargo xtask quality --case {seed}{}", pwm_rate::argument(board));
+    Some(Subject { board: *board, preset, supply, place: Some(place), command })
 }
 
 /// A motor of the market, at its nominal supply.
-pub(super) fn of_market(preset: &Preset) -> Subject {
+pub(super) fn of_market(board: &Board, preset: &Preset) -> Subject {
     Subject {
+        board: *board,
         preset: *preset,
         supply: preset.data.nominal_voltage.clamp(18.0, 60.0),
         place: None,
-        command: format!("cargo xtask quality --motor {}", preset.name),
+        command: format!("cargo xtask quality --motor {}{}", preset.name, pwm_rate::argument(board)),
     }
 }

@@ -6,11 +6,11 @@
 //! stays at `1 / tau`. The loop then closes at about `wc / (1 + q)` instead of `wc`: q is 14 for a motor of
 //! 30 % loss at 4 % of its no-load speed, and the last per cent takes seconds.
 
+use crate::pwm_rate;
+use narx_core::motor::Board;
 use narx_sim::plant::MotorConfig;
 use std::f64::consts::TAU;
 
-/// Control tick, s.
-const TICK: f64 = 1e-4;
 /// Bandwidth that commissioning gives the speed loop, rad/s: 0.7 of 2000 electrical revolutions per minute.
 const BANDWIDTH: f64 = 0.7 * 2_000.0 / 60.0;
 /// Share of the speed that a load step may take away before the speed loop responds.
@@ -28,14 +28,17 @@ pub(super) struct Hidden {
 impl Hidden {
     /// Computes it for a torque, N m, and a speed, rpm. The current falls by `(D V + 2 e) / 3 L` of a phase,
     /// with `D V = R I + k w` and `2 e = k w`.
-    pub(super) fn new(motor: &MotorConfig, torque: f64, rpm: f64) -> Self {
+    pub(super) fn new(board: &Board, motor: &MotorConfig, torque: f64, rpm: f64) -> Self {
         let speed = rpm * TAU / 60.0;
         let current =
             (torque + motor.static_friction + motor.viscous_friction * speed) / motor.torque_constant;
         let emf = motor.torque_constant * speed;
         let seconds = 1.5 * motor.inductance * current / (motor.resistance * current + 2.0 * emf);
         let degrees_per_second = 360.0 * rpm / 60.0 * f64::from(motor.pole_pairs);
-        Self { degrees: seconds * degrees_per_second, samples: 2.0 * TICK * degrees_per_second }
+        Self {
+            degrees: seconds * degrees_per_second,
+            samples: 2.0 * pwm_rate::tick(board) * degrees_per_second,
+        }
     }
 
     /// Returns whether it hides the crossing itself, or the last sample before it.
@@ -96,13 +99,13 @@ mod tests {
     #[test]
     fn a_phase_conducts_for_longer_the_more_current_and_the_faster() {
         let motor = MotorConfig::default();
-        let degrees = |torque, rpm| Hidden::new(&motor, torque, rpm).degrees;
+        let degrees = |torque, rpm| Hidden::new(&Board::BENCH, &motor, torque, rpm).degrees;
         assert!(
             degrees(0.2, 3_000.0) > 1.5 * degrees(0.1, 3_000.0)
                 && degrees(0.1, 3_000.0) > degrees(0.1, 1_500.0)
         );
         // 1.5 x 0.2 mH x 5.56 A / (2 V + 22.6 V) = 68 us of the 833 us of a step.
         assert!((degrees(0.2, 3_000.0) - 60.0 * 68.0 / 833.0).abs() < 0.2);
-        assert!(!Hidden::new(&motor, 0.2, 3_000.0).is_crossing());
+        assert!(!Hidden::new(&Board::BENCH, &motor, 0.2, 3_000.0).is_crossing());
     }
 }

@@ -80,7 +80,7 @@ fn set_point(subject: &Subject, mode: Mode, load: f64, place: f64) -> f64 {
 }
 
 fn point(subject: &Subject, mode: Mode, load: f64, rpm: Option<f64>) -> Point<'_> {
-    Point { preset: &subject.preset, mode, supply: subject.supply, load, rpm }
+    Point { board: subject.board, preset: &subject.preset, mode, supply: subject.supply, load, rpm }
 }
 
 fn steady(subject: &Subject, mode: Mode, load: f64, electrical: f64) -> Run {
@@ -96,7 +96,7 @@ fn steady(subject: &Subject, mode: Mode, load: f64, electrical: f64) -> Run {
     let (outcome, unseen) = match point.plan() {
         Err(why) => (Outcome::Limited(why), false),
         Ok(plan) => {
-            let hidden = Hidden::new(&subject.preset.motor, plan.torque, f64::from(plan.rpm));
+            let hidden = Hidden::new(&subject.board, &subject.preset.motor, plan.torque, f64::from(plan.rpm));
             what += &format!(", the floating phase conducts for {:.0} degrees", hidden.degrees);
             let outcome = point.run_after(SETTLE).map_or_else(Outcome::Lost, Outcome::Steady);
             (outcome, mode == Mode::Sensorless && hidden.is_crossing())

@@ -2,6 +2,8 @@
 
 use super::run::{METRICS, MODES, Outcome, Run};
 use crate::promises::load_step;
+use crate::pwm_rate;
+use narx_core::motor::Board;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs;
@@ -12,6 +14,9 @@ use std::path::Path;
 pub struct Quality {
     /// Command that measures again.
     pub command: String,
+    /// PWM rate, Hz.
+    #[serde(default = "pwm_rate::default")]
+    pub pwm_rate: u32,
     /// Number of random motors that were requested.
     pub asked: u64,
     /// Number of random motors that were drawn.
@@ -73,13 +78,13 @@ impl Row {
 }
 
 impl Quality {
-    pub(super) const fn new(asked: u64, motors: u64) -> Self {
-        Self { command: String::new(), asked, motors, rows: Vec::new(), failures: Vec::new() }
+    pub(super) fn new(board: &Board, asked: u64, motors: u64) -> Self {
+        let command = format!("cargo xtask quality --motors {asked}{}", pwm_rate::argument(board));
+        Self { command, pwm_rate: board.tick_rate, asked, motors, rows: Vec::new(), failures: Vec::new() }
     }
 
     /// Adds the rows of a population.
     pub(super) fn judge(&mut self, of: &str, runs: &[Run]) {
-        self.command = format!("cargo xtask quality --motors {}", self.asked);
         for mode in MODES {
             let runs: Vec<&Run> = runs.iter().filter(|run| run.mode == mode).collect();
             if runs.is_empty() {
@@ -151,7 +156,11 @@ impl Quality {
         for failure in &self.failures {
             let _ = writeln!(text, "{}\n    {}", failure.what, failure.command);
         }
-        let _ = writeln!(text, "{} random motors of {} seeds", self.motors, self.asked);
+        let _ = writeln!(
+            text,
+            "PWM rate: {} Hz; {} random motors of {} seeds",
+            self.pwm_rate, self.motors, self.asked
+        );
         let _ = writeln!(
             text,
             "{:<22} {:<10} {:<50} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",

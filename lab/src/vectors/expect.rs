@@ -57,8 +57,10 @@ pub struct Wiring {
 }
 
 /// Content of the drive's reports so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Seen {
+    /// Control ticks over which the final speed is averaged.
+    window: u64,
     /// States in order.
     pub states: Vec<State>,
     /// Every fault bit so far.
@@ -77,10 +79,28 @@ pub struct Seen {
     pub sent: BTreeSet<String>,
 }
 
-/// Number of ticks over which the final speed is averaged: 0.1 s.
-pub(super) const WINDOW: u64 = 1000;
+/// Number of ticks over which the final speed is averaged, 0.1 s, at this tick rate, Hz.
+pub(super) const fn window(tick_rate: u32) -> u64 {
+    tick_rate as u64 / 10
+}
 
 impl Seen {
+    /// Nothing so far, of a drive with this tick rate, Hz.
+    pub fn new(tick_rate: u32) -> Self {
+        Self {
+            window: window(tick_rate),
+            states: Vec::new(),
+            faults: FaultWord::empty(),
+            codes: Vec::new(),
+            refusals: Vec::new(),
+            calibration: HallCalibration::default(),
+            speeds: VecDeque::new(),
+            code: 0,
+            refusal: Refusal::default(),
+            sent: BTreeSet::new(),
+        }
+    }
+
     /// Takes a report.
     pub fn note(&mut self, status: &Status) {
         if self.states.last() != Some(&status.state) {
@@ -96,7 +116,7 @@ impl Seen {
         (self.code, self.refusal) = (status.extended_code, status.refusal);
         self.calibration = status.hall_calibration;
         self.speeds.push_back((status.tick, f64::from(status.speed_hall.to_bits()) / 65_536.0));
-        while self.speeds.front().is_some_and(|(tick, _)| tick + WINDOW < status.tick) {
+        while self.speeds.front().is_some_and(|(tick, _)| tick + self.window < status.tick) {
             self.speeds.pop_front();
         }
     }
@@ -220,7 +240,7 @@ mod tests {
     /// Every difference is named.
     #[test]
     fn every_difference_is_a_miss() {
-        let mut seen = Seen::default();
+        let mut seen = Seen::new(10_000);
         seen.note(&status(1, State::Initialization));
         seen.note(&status(2, State::Standby));
         seen.note(&status(3, State::Standby));

@@ -1,7 +1,7 @@
 //! Plays a scenario on the bench.
 
 use super::action::Action;
-use super::expect::{Seen, WINDOW};
+use super::expect::{Seen, window};
 use super::scenario::{Of, Scenario};
 use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::ToDrive;
@@ -40,16 +40,17 @@ pub fn run(scenario: &Scenario) -> Run {
         Of::TxDriver => begin_tx_driver(&mut bench, &scenario.name),
     }
     let mut master = Master::new(&bench);
-    let mut seen = Seen::default();
+    let board = scenario.plant.board;
+    let mut seen = Seen::new(board.tick_rate);
     let mut steps = scenario.steps.iter().peekable();
-    let tick_rate = f64::from(scenario.plant.board.tick_rate);
+    let tick_rate = f64::from(board.tick_rate);
     let ticks = (scenario.seconds * tick_rate).round() as u64;
     let mut mark = bench.plant().observe();
     for tick in 0..ticks {
         while let Some(step) = steps.next_if(|step| step.time * tick_rate <= tick as f64) {
             master.act(&mut bench, step.action);
         }
-        if tick + WINDOW == ticks {
+        if tick + window(board.tick_rate) == ticks {
             mark = bench.plant().observe();
         }
         master.send(&mut bench);

@@ -3,9 +3,11 @@
 use super::action::{Step, StepKeys};
 use super::expect::Expect;
 use narx_core::dictionary::{Dictionary, Parameter, Parameters};
+use narx_core::motor::Board;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, preset};
+use narx_sim::session::{PwmRateError, board_at};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +20,7 @@ pub struct Scenario {
     pub name: String,
     /// Its purpose, in a line.
     pub title: String,
-    /// Motor, supply and load.
+    /// Motor, supply, load and board.
     pub plant: PlantConfig,
     /// Stored parameters of the drive: commissioned, with the file's own over them.
     pub parameters: Parameters,
@@ -65,6 +67,8 @@ struct Keys {
     motor: String,
     mode: ModeKey,
     supply: f64,
+    /// PWM frequency, Hz; without it 10 kHz.
+    pwm_rate: Option<u32>,
     seconds: f64,
     /// Mechanical speed of open loop, rpm; without it commissioning chooses.
     open_loop_speed: Option<f64>,
@@ -187,14 +191,18 @@ impl Scenario {
             ModeKey::OpenLoop => Mode::OpenLoop,
             ModeKey::Sensorless => Mode::Sensorless,
         };
-        let commissioned =
-            plate.commission(mode).map_err(|error| format!("motor {}: {error}", preset.name))?;
+        let board = keys.pwm_rate.map_or(Ok(Board::BENCH), |rate| {
+            board_at(rate).ok_or_else(|| format!("pwm_rate = {rate}: {PwmRateError}"))
+        })?;
+        let commissioned = plate.commission_on(&board, mode, None);
+        let commissioned = commissioned.map_err(|error| format!("motor {}: {error}", preset.name))?;
         let mut parameters = commissioned.parameters;
         for (name, value) in &keys.parameters {
             let (number, raw) = parameter("parameters", name, *value)?;
             parameters.set(number, raw).map_err(|error| format!("parameters: {error}"))?;
         }
-        let mut plant = keys.plant.config(PlantConfig::new(preset.motor, keys.supply))?;
+        let mut plant =
+            keys.plant.config(PlantConfig { board, ..PlantConfig::new(preset.motor, keys.supply) })?;
         plant.load = LoadConfig { constant: within("load", keys.load, 0.0, 10.0, "N m")?, ..plant.load };
         let steps: Vec<Step> =
             keys.at.into_iter().map(|step| step.checked(seconds)).collect::<Result<_, _>>()?;
@@ -273,6 +281,11 @@ expect = { states = ["Initialization", "Standby"] }
                 "bad.toml, line 5, suply = 24: unknown field `suply`, expected one of",
             ),
             ("supply = 24", "supply = \"x\"", "bad.toml, line 5, supply = \"x\": invalid type: string"),
+            (
+                "supply = 24",
+                "supply = 24\npwm_rate = 60000",
+                "bad.toml: pwm_rate = 60000: must be a whole number from 8000 to 50000 Hz",
+            ),
             ("supply = 24", "supply = nan", "bad.toml: supply = NaN: must be from 18 to 60 V"),
             ("bly172s-24v", "mn7005", "bad.toml: motor = \"mn7005\": unknown motor; one of ec45"),
             (

@@ -32,6 +32,10 @@ pub(crate) struct Arguments {
     /// Measure these parts only, separated by commas; the figures of the others stay in the file
     #[arg(long, value_delimiter = ',', value_parser = names())]
     only: Vec<String>,
+    /// PWM frequency of the promises, Hz; at another one than 10000 only they are measured, into
+    /// bench-20kHz.json and the like
+    #[arg(long, allow_hyphen_values = true, default_value = PWM_RATE)]
+    pwm_rate: String,
     /// Install what is missing (emulator, C compilers, valgrind, Python and npm packages); without this,
     /// parts that need it are left out, with a message
     #[arg(long)]
@@ -40,6 +44,9 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "target")]
     out: PathBuf,
 }
+
+/// The rate of all other parts, Hz.
+const PWM_RATE: &str = "10000";
 
 fn names() -> clap::builder::PossibleValuesParser {
     PROMISES.into_iter().chain(PARTS.map(|(name, _)| name)).collect::<Vec<_>>().into()
@@ -83,6 +90,9 @@ const PARTS: [(&str, Measure); 7] = [
 pub(crate) fn run(root: &Path, arguments: &Arguments) -> Result<Vec<String>, String> {
     let chosen = |name: &str| arguments.only.is_empty() || arguments.only.iter().any(|only| only == name);
     let promises = PROMISES.into_iter().filter(|name| chosen(name)).collect::<Vec<_>>().join(",");
+    if arguments.pwm_rate != PWM_RATE && promises.is_empty() && arguments.case.is_none() {
+        return Err(format!("--pwm-rate {}: none of these parts depends on it", arguments.pwm_rate));
+    }
     let kept = if promises.is_empty() && arguments.case.is_none() {
         Ok(Vec::new())
     } else {
@@ -90,6 +100,7 @@ pub(crate) fn run(root: &Path, arguments: &Arguments) -> Result<Vec<String>, Str
         let mut option = |name: &str, value: String| call.extend([name.into(), value.into()]);
         option("--runs", arguments.runs.to_string());
         option("--seed", arguments.seed.to_string());
+        option("--pwm-rate", arguments.pwm_rate.clone());
         match arguments.case {
             Some(case) => option("--case", case.to_string()),
             None => option("--only", promises),
@@ -98,6 +109,9 @@ pub(crate) fn run(root: &Path, arguments: &Arguments) -> Result<Vec<String>, Str
     };
     if arguments.case.is_some() {
         return kept.map(|_| Vec::new());
+    }
+    if arguments.pwm_rate != PWM_RATE {
+        return kept.map(|_| Vec::new()).map_err(|_| String::from("a promise is missed"));
     }
     let path = arguments.out.join("bench.json");
     let context = Context { root, all: arguments.all };
