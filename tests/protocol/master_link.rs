@@ -39,8 +39,8 @@ proptest! {
 
     /// If frames are lost, doubled as CAN doubles them, and delayed by less than half of the time-out, the
     /// master's answers are true. (The late double of a refusal may match another write of the same
-    /// parameter: each is written once here. The late double of a read with the value that is written counts as
-    /// the answer: the parameter has that value, also if it is the drive's own.)
+    /// parameter: each is written once here. The late double of a read with the value that is written counts
+    /// as the answer: the parameter has that value, also if it is the drive's own.)
     #[test]
     fn answers_are_true(requests in requests(), fates in fates(49_000, 0)) {
         let mut pair = Pair::quiet();

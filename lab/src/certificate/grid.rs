@@ -129,8 +129,8 @@ impl Cell {
             && within(&TEMPERATURE, self.temperature)
     }
 
-    /// Plant of the cell with this board, commissioned from the data sheet, and the share of the lock's torque
-    /// that friction and load take; nothing if commissioning refuses the motor at this supply.
+    /// Plant of the cell with this board, commissioned from the data sheet, and the share of the lock's
+    /// torque that friction and load take; nothing if commissioning refuses the motor at this supply.
     pub(super) fn plant(&self, board: &Board) -> Option<(RandomPlant, f64)> {
         let sheet = &self.preset.motor;
         let plate = Nameplate {

@@ -39,7 +39,7 @@ const EDGE_SPEEDS: [i32; 7] = [24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 5
 /// Promised electrical revolutions per minute for each hertz of the PWM rate: 24 000 and 50 000 at 10 kHz.
 const SAMPLED: f64 = 2.4;
 const EDGES: f64 = 5.0;
-/// The same for the highest set-point that is tried with sampled back-EMF: 3.3 samples a sector.
+/// Revolutions for the highest set-point that is tried with sampled back-EMF: 3.3 samples a sector.
 const SAMPLED_MAX: f64 = 3.0;
 /// Largest promised speed, electrical rpm: the motor reaches little more at this supply.
 const PROMISED_MAX: f64 = 50_000.0;

@@ -33,8 +33,8 @@ pub struct Arguments {
     pub motor: Option<String>,
     #[command(flatten)]
     rate: PwmRate,
-    /// File for the figures [default: docs/evidence/quality.json; at another PWM rate than 10 kHz its name has
-    /// it: quality-20kHz.json]
+    /// File for the figures [default: docs/evidence/quality.json; at another PWM rate than 10 kHz its name
+    /// has it: quality-20kHz.json]
     #[arg(long)]
     pub out: Option<PathBuf>,
 }
