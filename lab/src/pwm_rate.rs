@@ -4,6 +4,7 @@ use clap::Args;
 use narx_core::motor::Board;
 use narx_sim::session::parse_board;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 /// Argument of every experiment that runs at any PWM rate.
 // The structs that contain it already have a group of this name.
@@ -22,6 +23,19 @@ impl PwmRate {
     /// Fails with one line if the board cannot have the rate.
     pub fn board(&self) -> Result<Board, String> {
         parse_board(&self.pwm_rate).map_err(|error| format!("--pwm-rate {}: {error}", self.pwm_rate))
+    }
+
+    /// Runs an experiment on that board, which answers whether its goals are met. Exit code 1 if they are not,
+    /// or with a line about the reason if it could not run.
+    pub(crate) fn run(&self, experiment: impl FnOnce(&Board) -> Result<bool, String>) -> ExitCode {
+        match self.board().and_then(|board| experiment(&board)) {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(reason) => {
+                eprintln!("{reason}");
+                ExitCode::FAILURE
+            }
+        }
     }
 }
 

@@ -19,7 +19,7 @@ pub const PWM_RATES: RangeInclusive<u32> = 8_000..=50_000;
 
 /// The bench's board at this PWM rate, Hz; `None` outside of [`PWM_RATES`].
 pub fn board_at(pwm_rate: u32) -> Option<Board> {
-    PWM_RATES.contains(&pwm_rate).then(|| Board::BENCH.at_rate(pwm_rate))
+    Board::BENCH.at_rate(pwm_rate).filter(|_| PWM_RATES.contains(&pwm_rate))
 }
 
 /// Parses a PWM rate, Hz; returns the bench's board at this rate.

@@ -168,3 +168,12 @@ fn a_board_is_plausible_up_to_its_limits() {
         assert!(!with(change), "{name}");
     }
 }
+
+/// At another rate the tick takes as long as before, and a period that is too short for it is no board's.
+#[test]
+fn a_tick_takes_as_long_at_every_rate() {
+    let board = Board::BENCH.at_rate(40_000).unwrap();
+    assert_eq!((board.tick_rate, board.earliest), (40_000, 4 * Board::BENCH.earliest));
+    assert_eq!(Board::BENCH.at_rate(79_990).unwrap().earliest, 65_527);
+    assert_eq!(Board::BENCH.at_rate(80_000), None);
+}

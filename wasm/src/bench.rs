@@ -7,7 +7,7 @@ use narx_sim::bench::Bench as Core;
 use narx_sim::can::Received;
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
-use narx_sim::session::{PWM_RATES, Session, SessionConfig};
+use narx_sim::session::{PWM_RATES, Session, SessionConfig, board_at};
 use narx_wasm_values::error::{range_error, shown, type_error, whole};
 use narx_wasm_values::options::Options;
 use narx_wasm_values::trace::Trace;
@@ -253,8 +253,8 @@ fn config(motor: &Motor, options: &Options) -> Result<SessionConfig, JsValue> {
     config.ambient = options.number("ambient")?.unwrap_or(config.ambient);
     config.seed = options.whole("seed", 0.0, SEED_MAX)?.map_or(config.seed, |seed| seed as u64);
     let [least, most] = [PWM_RATES.start(), PWM_RATES.end()].map(|rate| f64::from(*rate));
-    if let Some(rate) = options.whole("pwmRate", least, most)? {
-        config.board = config.board.at_rate(rate as u32);
+    if let Some(board) = options.whole("pwmRate", least, most)?.and_then(|rate| board_at(rate as u32)) {
+        config.board = board;
     }
     Ok(config)
 }

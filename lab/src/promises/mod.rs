@@ -91,19 +91,11 @@ const PARTS: [(&str, Measure); 11] = [
 
 /// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
-    let outcome = arguments.rate.board().and_then(|board| match arguments.case {
-        Some(seed) => case::replay(seed, &board, &arguments.out.join(format!("case-{seed}")))
+    arguments.rate.run(|board| match arguments.case {
+        Some(seed) => case::replay(seed, board, &arguments.out.join(format!("case-{seed}")))
             .map_err(|error| format!("{}: {error}", arguments.out.display())),
-        None => run(root, &board, arguments),
-    });
-    match outcome {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+        None => run(root, board, arguments),
+    })
 }
 
 /// Measures the parts; returns true if no goal is missed.

@@ -45,14 +45,7 @@ const FILE: &str = "docs/evidence/quality.json";
 /// Measures and writes; exit code 1 if a file cannot be written, or if a single motor was requested and
 /// missed a promise.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
-    match arguments.rate.board().and_then(|board| run(root, &board, arguments)) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    arguments.rate.run(|board| run(root, board, arguments))
 }
 
 /// Measures, or runs one motor again; returns false if that motor missed a promise.

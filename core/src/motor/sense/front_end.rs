@@ -102,11 +102,11 @@ impl Board {
     }
 
     /// This board at another PWM rate, Hz. A tick takes as long as before: `earliest` stays where it was in
-    /// time, within the period.
+    /// time. `None` if that is not within the period any more.
     #[must_use]
-    pub fn at_rate(self, tick_rate: u32) -> Self {
+    pub fn at_rate(self, tick_rate: u32) -> Option<Self> {
         let earliest = u64::from(self.earliest) * u64::from(tick_rate) / u64::from(self.tick_rate.max(1));
-        Self { tick_rate, earliest: earliest.min(u16::MAX.into()) as u16, ..self }
+        Some(Self { tick_rate, earliest: earliest.try_into().ok()?, ..self })
     }
 
     /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns
