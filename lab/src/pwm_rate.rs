@@ -25,8 +25,8 @@ impl PwmRate {
         parse_board(&self.pwm_rate).map_err(|error| format!("--pwm-rate {}: {error}", self.pwm_rate))
     }
 
-    /// Runs an experiment on that board; it answers whether its goals are met. Exit code 1 if they are not, or
-    /// if it could not run, with a line about the reason.
+    /// Runs an experiment on that board; it answers whether its goals are met. Exit code 1 if they are not,
+    /// or if it could not run, with a line about the reason.
     pub(crate) fn run(&self, experiment: impl FnOnce(&Board) -> Result<bool, String>) -> ExitCode {
         match self.board().and_then(|board| experiment(&board)) {
             Ok(true) => ExitCode::SUCCESS,
