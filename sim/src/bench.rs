@@ -105,7 +105,8 @@ pub struct Bench {
     host: NodeIndex,
     monitor: NodeIndex,
     other: NodeIndex,
-    ticks_per_ms: u64,
+    /// Ticks from one slow input to the next.
+    inputs_every: u64,
     period_ns: u64,
     pole_pairs: f64,
     trace: Option<Trace>,
@@ -158,7 +159,7 @@ impl Bench {
             host,
             monitor,
             other,
-            ticks_per_ms: u64::from(board.tick_rate / 1000).max(1),
+            inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
             period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
             trace: config.trace.then(|| Trace::new(&SIGNALS)),
@@ -291,7 +292,7 @@ impl Bench {
         while let Some(received) = self.bus.receive(self.own) {
             self.device.node_mut().handle_frame(&received.frame);
         }
-        if now.is_multiple_of(INPUTS_MS * self.ticks_per_ms) {
+        if now.is_multiple_of(self.inputs_every) {
             let inputs = self.plant.slow_inputs();
             self.device.node_mut().handle_inputs(inputs);
         }

@@ -152,7 +152,7 @@ proptest! {
             pi.step(&gains, error, 0, 1 << 22);
         }
         // An eighth per tick: after 200 ticks the earlier state has decayed.
-        (0..200).for_each(|_| pi.track(&gains, applied, error));
+        (0..200).for_each(|_| pi.track(&gains, applied, error, 1 << 13));
         let expected = (applied as i64 + gains.integral.apply(error)).clamp(0, 1 << 22);
         prop_assert!((pi.step(&gains, error, 0, 1 << 22) as i64 - expected).abs() <= 2);
         pi.wait(applied);
@@ -193,7 +193,7 @@ fn slow_ramps_move_and_no_rate_stands_still() {
 /// A front end of 1.2 mV resolution: 65 536 codes up to 80 V.
 fn fine_scales() -> MeasurementScales {
     let scale = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_221 }, 0);
-    MeasurementScales { bus_voltage: scale, bus_current: scale, phase_voltage: scale }
+    MeasurementScales { bus_voltage: scale, bus_current: scale, phase_voltage: scale, filter: 1 << 16 }
 }
 
 fn assert_duty(measurement: &Measurement, bus: i32, voltage: i32) -> Result<(), TestCaseError> {

@@ -106,6 +106,7 @@ impl Hall {
             timeout: ticks(settings.timeout_ms, rate) << 16,
             interpolation_min: turns_of_speed(rate).apply32(floor).unsigned_abs(),
             captured: settings.captured,
+            lost_after: ((rate * 3 + 5_000) / 10_000).clamp(1, u8::MAX.into()) as u8,
         };
         Ok(Self::new(HallReady { station, speed_of_turns: speed_of_turns(rate) }))
     }
@@ -134,7 +135,7 @@ impl Hall {
             speed: ElectricalSpeed::from_bits(self.ready.speed_of_turns.apply32(speed)),
             events,
             stopped: self.station.stopped(),
-            doubtful: self.station.doubtful(),
+            doubtful: self.station.doubtful(&self.ready.station),
         }
     }
 

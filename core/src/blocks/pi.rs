@@ -87,7 +87,7 @@ impl Pi {
     /// `error`: the integrator goes an eighth of the way to the value that would have given `applied`, so
     /// that the controller takes over again without a bump.
     pub fn track(&mut self, applied: i32, error: i32) {
-        self.station.track(&self.ready.gains, applied, error);
+        self.station.track(&self.ready.gains, applied, error, 1 << 13);
     }
 
     /// Sets the integrator so that it alone gives `output` (raw I16F16).

@@ -165,6 +165,7 @@ impl ZeroCrossing {
             terminal: ChannelScale::new(s.terminal, 0),
             noise: s.noise_codes.into(),
             silence: s.terminal.zero.saturating_add(s.noise_codes.into()),
+            settle: (time(800) >> 16).clamp(1, u16::MAX.into()) as u16,
             discard: time(s.blanking_us.into()) as u32,
             earliest: commutator.earliest,
             comparator: s.comparator,

@@ -181,7 +181,7 @@ pub(super) const OWN: [Row; 52] = [
         .in_unit("ticks", -2)
         .range(-10000, 10000)
         .factory(0)
-        .about("Delay of a falling zero crossing in addition to parameter 100."),
+        .about("Delay of a falling zero crossing in addition to parameter 100; ticks of 100 us."),
     Row::new(number::CROSSING, "Last zero crossing", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)

@@ -145,6 +145,10 @@ const TWO_PI_E9: i64 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
 const BUS_GUARD: i32 = (1 << 16) / 2;
 
+/// PWM periods per second of the manual's drive, Hz: a tick of parameters 85, 86, 100 and 286 is one of its
+/// periods, 100 us, whatever the board's rate.
+const PERIOD_RATE: i64 = 10_000;
+
 struct Builder<'a> {
     parameters: &'a Parameters,
     board: &'a Board,
@@ -261,6 +265,16 @@ impl Builder<'_> {
         quotient(milliseconds * self.rate(), 1000).clamp(1, u32::MAX as i64) as u32
     }
 
+    /// Ticks of so many periods of the manual's drive, 100 us each, at least 1.
+    fn periods(&self, periods: i64) -> u32 {
+        quotient(periods * self.rate() + PERIOD_RATE / 2, PERIOD_RATE).max(1) as u32
+    }
+
+    /// 1/65 536 tick of so many periods of the manual's drive, 100 us each: the unit of parameters in ticks.
+    fn periods_fine(&self, periods: i64) -> i64 {
+        quotient((periods << 16) * self.rate(), PERIOD_RATE)
+    }
+
     /// Ticks of a parameter in milliseconds, at least 1.
     #[inline(never)]
     fn duration(&self, number: u16) -> u32 {
@@ -307,6 +321,8 @@ impl Builder<'_> {
         for switch in LEFT_OUT {
             self.within(*switch, 0, 0);
         }
+        let half_period = quotient(500_000_000, self.rate());
+        self.within(number::ON_TIME_MIN, 0, saturate64(half_period));
         self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
         self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
         self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);
@@ -336,9 +352,12 @@ impl Builder<'_> {
         self.within_speeds(high, 1, fastest);
         self.within_speeds(low, 0, self.speed_limit(high));
         self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
+        // 31 bits hold the time-out in 1/65 536 tick.
+        let longest = quotient(PERIOD_RATE * i64::from(i16::MAX), self.rate());
+        self.within(number::ZC_PERIOD_MAX, 0, saturate64(longest));
         // At the speed that open loop hands over at a sector must be over within the time-out, twice over.
         let time_out = self.pole_pairs() * self.wide(number::ZC_PERIOD_MAX);
-        let slowest = saturate64(quotient(2 * 10 * self.rate(), time_out.max(1)));
+        let slowest = saturate64(quotient(2 * 10 * PERIOD_RATE, time_out.max(1)));
         self.within(number::OPEN_LOOP_SPEED, slowest, self.speed_limit(high));
     }
 
@@ -361,6 +380,7 @@ impl Builder<'_> {
             bus_voltage: ChannelScale::new(front.bus_voltage, self.quantity(number::HV_VOLTAGE_OFFSET)),
             bus_current: ChannelScale::new(front.bus_current, self.quantity(number::HV_CURRENT_OFFSET)),
             phase_voltage: ChannelScale::new(front.phase_voltage, 0),
+            filter: quotient(PERIOD_RATE << 16, self.rate()) as u32,
         }
     }
 
@@ -379,6 +399,7 @@ impl Builder<'_> {
             timeout: self.duration(number::HALL_PERIOD_TIMEOUT).min(u16::MAX as u32) << 16,
             interpolation_min: floor.unsigned_abs(),
             captured: self.board.hall_capture,
+            lost_after: self.periods(3).min(u8::MAX.into()) as u8,
         }
     }
 
@@ -401,14 +422,15 @@ impl Builder<'_> {
     }
 
     fn back_emf(&mut self) -> BackEmfCoefficients {
-        let delay = |raw: i64| saturate64(quotient(raw << 16, 100));
+        let delay = |raw: i64| saturate64(self.periods_fine(raw) / 100);
         let delays = self.wide(number::ZC_DELAY);
         let phase = self.board.front_end.phase_voltage;
         BackEmfCoefficients {
             terminal: ChannelScale::new(phase, 0),
             noise: NOISE.into(),
             silence: phase.zero.saturating_add(NOISE),
-            discard: (self.raw(number::ZC_DISCARD) as u32) << 16,
+            settle: self.periods(8).min(u16::MAX.into()) as u16,
+            discard: self.periods_fine(self.wide(number::ZC_DISCARD)) as u32,
             earliest: self.board.earliest,
             comparator: self.board.comparator_capture,
             delay_rising: delay(delays),
@@ -446,8 +468,9 @@ impl Builder<'_> {
         SensorlessCoefficients {
             back_emf,
             rails: self.rails(back_emf.back_emf),
-            timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
+            timeout: self.periods_fine(self.wide(number::ZC_PERIOD_MAX)) as u32,
             rest: self.ticks(REST),
+            brake: self.periods(64),
             align: self.ticks(align),
             align_rate: rise_a_ms(lock_level, align / 4),
             align_level: lock_level,
@@ -499,12 +522,13 @@ impl Builder<'_> {
 
     fn control(&mut self) -> ControlCoefficients {
         let rate = self.rate();
-        let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
+        // At most half of a period (`check`, and `Board::is_plausible`).
         let duty_of_ns = |ns: i64| quotient(ns * rate * 32_768, 1_000_000_000).clamp(0, 1 << 14) as u16;
         let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
         let degrees = (self.quantity(hot) as i64 - self.quantity(warm) as i64).max(1);
         ControlCoefficients {
-            ticks_per_ms,
+            ticks_per_ms: quotient(rate << 8, 1000).min(u16::MAX.into()) as u16,
+            track: quotient(PERIOD_RATE << 13, rate) as u16,
             current: PiGains {
                 proportional: self.gain(number::HV_CURRENT_KP, 1, 6, 1),
                 integral: self.gain(number::HV_CURRENT_KI, 1, 3, rate as u32),
@@ -520,7 +544,7 @@ impl Builder<'_> {
             },
             // No more than 10^7 rpm/s of 50 pole pairs: 2^29 and 32 bits.
             speed_rate: quotient((self.wide(number::SPEED_RATE) * self.pole_pairs()) << 32, 60_000),
-            slew: (self.duty(number::DUTY_SLEW) / ticks_per_ms.max(1)).max(1),
+            slew: quotient(i64::from(self.duty(number::DUTY_SLEW)) * 1000, rate).max(1) as u16,
             duty_min: duty_of_ns(self.wide(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i64),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,

@@ -224,7 +224,7 @@ impl Control {
     ) {
         if let Demand::Speed(_) = demand {
             let applied = self.applied(c, measured.bus_voltage.to_bits());
-            self.speed.track(&mode.speed, applied, self.speed_error);
+            self.speed.track(&mode.speed, applied, self.speed_error, c.track);
         }
     }
 

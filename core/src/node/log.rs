@@ -394,7 +394,7 @@ impl Node {
             let value = if keep == Keep::Mean { kept / samples } else { *kept };
             let _ = values.push((what & 0x3FFF | (keep as u16) << 14, value as i32));
         }
-        Entry { time: (now / self.ticks(1)) as u32, values }
+        Entry { time: (now * 1000 / u64::from(self.board.tick_rate.max(1))) as u32, values }
     }
 
     fn value_of(&self, what: u16, frames: &[Words; 6]) -> i64 {

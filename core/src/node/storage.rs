@@ -351,7 +351,7 @@ impl Node {
 
     /// Control ticks of a time in ms.
     pub(super) fn ticks(&self, milliseconds: u64) -> u64 {
-        milliseconds * u64::from(self.board.tick_rate / 1000).max(1)
+        milliseconds * u64::from(self.board.tick_rate) / 1000
     }
 }
 

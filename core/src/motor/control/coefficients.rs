@@ -9,8 +9,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct ControlCoefficients {
-    /// Ticks in a millisecond.
+    /// Ticks in a millisecond, 1/256.
     pub ticks_per_ms: u16,
+    /// Part of its distance that the speed loop goes in a tick while something else decides, 1/65 536.
+    pub track: u16,
     /// Bus current limiter, per tick.
     pub current: PiGains,
     /// Current ratings.

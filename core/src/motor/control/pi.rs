@@ -59,14 +59,14 @@ impl Pi {
     }
 
     /// Back-calculation: something else decided `applied`, so the integrator goes to what would have given
-    /// that output for the present `error`, by an eighth a tick: a limit that is touched by the current's
-    /// ripple, a few ticks in every step, must not set back the mean. The controller takes over again when
-    /// its error asks for it, without a bump.
+    /// that output for the present `error`, by this `share` (1/65 536) of the way: a limit that is touched by
+    /// the current's ripple, a few ticks in every step, must not set back the mean. The controller takes over
+    /// again when its error asks for it, without a bump.
     #[inline]
-    pub fn track(&mut self, gains: &PiGains, applied: i32, error: i32) {
+    pub fn track(&mut self, gains: &PiGains, applied: i32, error: i32, share: u16) {
         let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
         let target = (i64::from(applied) << 16) - proportional;
-        self.integrator += (target - self.integrator) >> 3;
+        self.integrator += ((target - self.integrator) * i64::from(share)) >> 16;
     }
 
     /// The integrator alone gives `output`.

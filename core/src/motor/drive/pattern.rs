@@ -145,7 +145,7 @@ impl Drive {
         let torque = self.machine.direction();
         let turns_back = torque.signed(self.rotor.hall.speed()) < 0
             && torque.signed(self.speed()) < -(self.coefficients.hall_mode.speed_min / 2);
-        if turns_back || self.rotor.hall.doubtful() {
+        if turns_back || self.rotor.hall.doubtful(&self.coefficients.hall) {
             return self.hold(Pattern::OFF);
         }
         self.want(Demand::Speed(0));

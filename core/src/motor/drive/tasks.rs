@@ -22,8 +22,10 @@ pub(super) struct Tasks {
     /// The tick of the next task.
     due: Instant,
     next: u32,
-    /// The first tick of the next millisecond.
+    /// The first tick of the next millisecond, and the part of a tick by which the millisecond is longer,
+    /// 1/256.
     end: Instant,
+    rest: u8,
     /// Speed of a closed loop as the speed loop has seen it last, a magnitude in the direction of torque, raw
     /// I16F16 electrical rev/s.
     speed: i32,
@@ -44,7 +46,7 @@ impl Drive {
         let (now, next) = (self.now, self.tasks.next);
         self.tasks.due = now.next();
         if next == RATINGS {
-            let ticks = self.coefficients.control.ticks_per_ms.into();
+            let ticks = u32::from(self.coefficients.control.ticks_per_ms) >> 8;
             if ticks < TASKS {
                 return self.do_all(ticks, samples, current);
             }
@@ -60,9 +62,10 @@ impl Drive {
             RATINGS => self.update_ratings(current),
             RAMPS => self.run_ramps(current),
             _ => {
-                let end = self.tasks.end;
-                let next_end = end.after(self.coefficients.control.ticks_per_ms.into());
-                self.tasks = Tasks { due: end, next: RATINGS, end: next_end, speed: self.tasks.speed };
+                let Tasks { end, rest, speed, .. } = self.tasks;
+                let ticks = u32::from(self.coefficients.control.ticks_per_ms) + u32::from(rest);
+                self.tasks =
+                    Tasks { due: end, next: RATINGS, end: end.after(ticks >> 8), rest: ticks as u8, speed };
                 self.check_rails();
                 self.make_due(samples);
             }
@@ -119,7 +122,8 @@ impl Drive {
         // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
         let rises = self.machine.state() == State::OpenLoop && !self.rotor.sensorless.is_caught();
         let (wanted, rate) = if rises {
-            let milliseconds = self.machine.age(self.now) / u32::from(c.control.ticks_per_ms.max(1));
+            let ticks = self.machine.age(self.now).min(u32::MAX >> 8);
+            let milliseconds = (ticks << 8) / u32::from(c.control.ticks_per_ms.max(1));
             (c.open_loop.setpoint(milliseconds), c.open_loop.rate.saturating_mul(2))
         } else {
             let commanded = self.machine.command().speed.to_bits();

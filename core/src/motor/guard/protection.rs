@@ -77,8 +77,10 @@ pub struct ProtectionCoefficients {
     pub hall_stall_ticks: u32,
     /// Below this bus voltage a diagnostic is shown, raw I16F16.
     pub supply_low: i32,
-    /// Ticks in a millisecond: the leak of the plausibility counts.
+    /// Ticks in a millisecond, 1/256: the leak of the plausibility counts.
     pub ticks_per_ms: u16,
+    /// Weight of a tick with an invalid hall code, 1/64 of a period of 100 us.
+    pub invalid_weight: u16,
 }
 
 impl ProtectionCoefficients {
@@ -194,7 +196,8 @@ pub struct Evidence {
     pub sensorless: Option<Cause>,
 }
 
-/// Plausibility counts of the hall sensors: each glitch adds, time takes away.
+/// Plausibility counts of the hall sensors: each glitch adds, time takes away. `invalid` is time in 1/64 of
+/// 100 us, `leak` is time in 1/256 tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct HallCounts {
     invalid: u16,
@@ -204,7 +207,8 @@ struct HallCounts {
     leak: u16,
 }
 
-const INVALID_MAX: u16 = 64;
+const INVALID_LEAK: u16 = 64;
+const INVALID_MAX: u16 = 64 * INVALID_LEAK;
 const JUMP: u16 = 13;
 const JUMPS_MAX: u16 = 64;
 const BACKWARD_EDGE: u16 = 6;
@@ -450,13 +454,14 @@ impl Protection {
             return;
         }
         let counts = &mut self.hall;
-        counts.leak = if (counts.invalid, counts.jumps) == (0, 0) { 0 } else { counts.leak + 1 };
+        counts.leak = if (counts.invalid, counts.jumps) == (0, 0) { 0 } else { counts.leak + (1 << 8) };
         if counts.leak >= c.ticks_per_ms {
-            counts.leak = 0;
-            counts.invalid = counts.invalid.saturating_sub(1);
+            counts.leak -= c.ticks_per_ms;
+            counts.invalid = counts.invalid.saturating_sub(INVALID_LEAK);
             counts.jumps = counts.jumps.saturating_sub(1);
         }
-        counts.invalid = counts.invalid.saturating_add(u16::from(evidence.hall.invalid));
+        let invalid = if evidence.hall.invalid { c.invalid_weight } else { 0 };
+        counts.invalid = counts.invalid.saturating_add(invalid);
         counts.jumps = counts.jumps.saturating_add(JUMP * u16::from(evidence.hall.jump));
         match evidence.hall.sectors.signum() * evidence.torque_sign {
             -1 if evidence.torque => counts.backwards = counts.backwards.saturating_add(BACKWARD_EDGE),

@@ -41,6 +41,8 @@ pub struct BackEmfCoefficients {
     pub noise: i32,
     /// Terminals below this code show no back-EMF: less than the noise.
     pub silence: u16,
+    /// Ticks without voltage after which the windings carry no more current.
+    pub settle: u16,
     /// Least blanking after a commutation, 1/65 536 tick (parameter 86).
     pub discard: u32,
     /// First instant of a period at which a pattern changes, 1/65 536.

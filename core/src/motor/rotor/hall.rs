@@ -49,6 +49,8 @@ pub struct HallCoefficients {
     pub interpolation_min: u32,
     /// Edges come time-stamped; the level alone is a late witness.
     pub captured: bool,
+    /// Ticks of an invalid level after which the position is lost.
+    pub lost_after: u8,
 }
 
 /// Sector by raw code for a wiring; an order above 5 counts as 0.
@@ -122,7 +124,7 @@ pub struct Hall {
     speed: i32,
     /// Time at which time alone changes something, if the code stays.
     due: Instant,
-    /// Ticks in a row with the level 000 or 111; counted to [`INVALID_RUN_MAX`].
+    /// Ticks in a row with the level 000 or 111; counted to `lost_after`.
     invalid_run: u8,
     /// The rotor seems to have jumped, or to have turned round at speed: the sensors are not believed.
     doubt: bool,
@@ -155,8 +157,6 @@ impl Default for Hall {
     }
 }
 
-/// Ticks of an invalid level after which the position is lost.
-const INVALID_RUN_MAX: u8 = 3;
 /// Intervals in one direction that remove a doubt.
 const CONVINCING: u8 = 2;
 
@@ -169,7 +169,7 @@ impl Hall {
         let level = c.sectors[(samples.hall & 7) as usize];
         let same = (self.settled && level == self.sector) || (self.mute && level == INVALID);
         let events = if same && samples.edges.is_empty() {
-            self.invalid_run = (self.invalid_run + u8::from(self.mute)).min(INVALID_RUN_MAX);
+            self.invalid_run = (self.invalid_run + u8::from(self.mute)).min(c.lost_after);
             HallEvents { invalid: self.mute, ..HallEvents::default() }
         } else if let Some(age) = self.moves_on(c, now, samples, level) {
             self.count(self.since_edge(now).saturating_sub(age));
@@ -211,7 +211,7 @@ impl Hall {
 
     #[inline]
     fn deadline(&self, c: &HallCoefficients, now: Instant) -> Instant {
-        let counts = self.mute && self.invalid_run < INVALID_RUN_MAX;
+        let counts = self.mute && self.invalid_run < c.lost_after;
         if counts || !(self.settled || self.mute) {
             return now.next();
         }
@@ -265,7 +265,7 @@ impl Hall {
         self.confirm(c, now, waiting, level, &mut events);
         // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to
         // the next tick, unless it was lost, and then the candidate is confirmed there.
-        self.invalid_run = if level == INVALID { (self.invalid_run + 1).min(INVALID_RUN_MAX) } else { 0 };
+        self.invalid_run = if level == INVALID { (self.invalid_run + 1).min(c.lost_after) } else { 0 };
         if level == INVALID {
             events.invalid = true;
         } else if self.sector != level && !captured && self.candidate.is_none() {
@@ -468,8 +468,8 @@ impl Hall {
 
     /// The position is not to be believed: torque by it could be torque in any direction.
     #[inline]
-    pub const fn doubtful(&self) -> bool {
-        self.doubt || self.invalid_run >= INVALID_RUN_MAX
+    pub const fn doubtful(&self, c: &HallCoefficients) -> bool {
+        self.doubt || self.invalid_run >= c.lost_after
     }
 
     /// The code is 000 or 111.

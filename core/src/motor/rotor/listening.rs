@@ -47,8 +47,6 @@ pub struct Listening {
     direction: Direction,
 }
 
-/// Ticks after which the windings carry no more current.
-const SETTLED: u32 = 8;
 /// Changes in one direction, in time, that prove a turning rotor: more than a revolution.
 const CONVINCING: u8 = 4;
 
@@ -95,7 +93,7 @@ impl Listening {
         let age = -i32::from(sample_at);
         let before = core::mem::replace(&mut self.previous, *codes);
         let before_age = TICK as i32 - i32::from(core::mem::replace(&mut self.sampled_at, sample_at));
-        self.settled = self.settled || now.since(self.began) >= SETTLED;
+        self.settled = self.settled || now.since(self.began) >= u32::from(c.settle);
         if !self.settled {
             (self.loud, self.changed) = (now, now);
             return None;

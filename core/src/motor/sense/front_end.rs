@@ -88,8 +88,9 @@ pub struct Board {
 }
 
 impl Board {
-    /// Returns whether a controller can be built for these constants at all: 1 to 100 kHz, scales within
-    /// [`Channel::MICRO_PER_CODE_MAX`], zeros that the converter can give.
+    /// Returns whether a controller can be built for these constants at all: 1 to 100 kHz, a dead time of at
+    /// most a quarter of the period, scales within [`Channel::MICRO_PER_CODE_MAX`], zeros that the converter
+    /// can give.
     pub const fn is_plausible(&self) -> bool {
         const fn fits(channel: Channel) -> bool {
             channel.micro_per_code > 0
@@ -98,7 +99,8 @@ impl Board {
         }
         let FrontEnd { bus_voltage, phase_voltage, bus_current } = self.front_end;
         let scaled = fits(bus_voltage) && fits(phase_voltage) && fits(bus_current);
-        scaled && self.tick_rate >= 1_000 && self.tick_rate <= 100_000
+        let timed = self.tick_rate >= 1_000 && self.tick_rate <= 100_000;
+        scaled && timed && self.dead_time_ns as u64 * self.tick_rate as u64 <= 1_000_000_000 / 4
     }
 
     /// This board at another PWM rate, Hz. A tick takes as long as before: `earliest` stays where it was in

@@ -93,6 +93,9 @@ pub struct MeasurementScales {
     pub bus_current: ChannelScale,
     /// Phase terminal voltages.
     pub phase_voltage: ChannelScale,
+    /// Periods of 100 us in a tick, 1/65 536: the filter of the bus current takes 1/64 of a difference in
+    /// each.
+    pub filter: u32,
 }
 
 /// Measurements of this tick.
@@ -102,7 +105,7 @@ pub struct Measured {
     pub bus_voltage: Volts,
     /// Mean DC-link current.
     pub bus_current: Amps,
-    /// Bus current after a first-order filter of 64 ticks, longer than a commutation returns current to the
+    /// Bus current after a first-order filter of 6.4 ms, longer than a commutation returns current to the
     /// bus.
     pub bus_current_filtered: Amps,
 }
@@ -153,7 +156,8 @@ impl Measurement {
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples) -> Amps {
         self.bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = scales.bus_current.convert(samples.bus_current) - self.zero.zero;
-        self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX - 1) - (self.filtered >> 6);
+        let more = bus_current.clamp(-FILTER_MAX, FILTER_MAX - 1) - (self.filtered >> 6);
+        self.filtered += ((i64::from(more) * i64::from(scales.filter)) >> 16) as i32;
         Amps::from_bits(bus_current)
     }
 

@@ -48,7 +48,7 @@ pub(crate) struct Moment {
 impl Moment {
     /// Returns the tick that is `milliseconds` ahead.
     fn after(self, milliseconds: u64) -> u64 {
-        self.now.saturating_add(milliseconds * u64::from(self.tick_rate / 1000).max(1))
+        self.now.saturating_add(milliseconds * u64::from(self.tick_rate) / 1000)
     }
 }
 
