@@ -416,16 +416,20 @@ impl Nameplate {
         write(p, number::LOCK_DUTY, per_cent(lock))?;
         write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
         write(p, number::OPEN_LOOP_SPEED, set)?;
-        // A held rotor swings with wn = sqrt(p k I / J); five periods let it settle.
+        // A held rotor swings with wn = sqrt(p k I / J). Without sensors two locks of one period each bring it
+        // near, and the kick, which is commutated on what is seen, follows it from there; a field that turns
+        // by itself needs it at rest.
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
-        write(p, number::LOCK_DURATION, fmax(0.15, 5.0 * swing))?;
-        // A quarter of the torque accelerates; and the ramp is slow against the swing. A kick that is
-        // commutated on what is seen follows the rotor and may rise faster.
-        let swings = if mode == Mode::Sensorless { 5.0 } else { 8.0 };
-        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, swings * swing), 0.2);
+        let (lock, ramp, rest) = match mode {
+            Mode::Sensorless => (fmax(0.08, 2.0 * swing), fmax(0.1, 1.75 * swing), 0.02),
+            _ => (fmax(0.15, 5.0 * swing), fmax(0.2, 8.0 * swing), 0.1),
+        };
+        // A quarter of the torque accelerates.
+        let ramp = fmax(4.0 * m.inertia * speed / torque, ramp);
+        write(p, number::LOCK_DURATION, lock)?;
         write(p, number::OPEN_LOOP_RAMP, ramp)?;
-        write(p, number::OPEN_LOOP_DURATION, ramp + 0.1)
+        write(p, number::OPEN_LOOP_DURATION, ramp + rest)
     }
 }
 
