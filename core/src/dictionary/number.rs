@@ -287,3 +287,5 @@ pub const SCOPE_ROOM: u16 = 305;
 pub const SCOPE_REFUSAL: u16 = 306;
 /// Automatic store.
 pub const AUTOMATIC_STORE: u16 = 307;
+/// Other rotor source.
+pub const OTHER_SOURCE: u16 = 308;

@@ -9,7 +9,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::row::Row;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Row; 52] = [
+pub(super) const OWN: [Row; 53] = [
     Row::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -317,5 +317,13 @@ pub(super) const OWN: [Row; 52] = [
             "1: a written parameter is stored within 2 s, together with all that parameter 256 stores; 0: \
              only parameter 256 stores. Only parameter 257 stores device number and calibration in either \
              case.",
+        ),
+    Row::new(number::OTHER_SOURCE, "Other rotor source", Control, U16)
+        .range(0, 1)
+        .factory(0)
+        .about(
+            "1: with both closed loops enabled, a motor whose hall sensors fail while it turns goes on without \
+             them (state 4, extended code 0605h), and one whose back-EMF is lost goes on with hall sensors \
+             that work; 0: it stops.",
         ),
 ];

@@ -9,7 +9,7 @@ use super::guard::protection::{ProtectionCoefficients, Thresholds};
 use super::guard::rails::RailCoefficients;
 use super::machine::MachineCoefficients;
 use super::machine::state::State;
-use super::modes::{HALL, HALL_SENSORS, LEFT_OUT, OPEN_LOOP, SENSORLESS};
+use super::modes::{HALL, HALL_SENSORS, LEFT_OUT, OPEN_LOOP, OTHER_SOURCE, SENSORLESS};
 use super::rotor::back_emf::BackEmfCoefficients;
 use super::rotor::hall::HallWiring;
 use super::rotor::hall::{HallCoefficients, sectors};
@@ -481,11 +481,12 @@ impl Builder<'_> {
     }
 
     fn machine(&self, lock_level: i32) -> MachineCoefficients {
+        let [open_loop, sensorless, hall] = self.enables();
         let lock = self.duration(number::LOCK_DURATION);
         MachineCoefficients {
-            open_loop_enable: self.is_set(number::OPEN_LOOP_ENABLE),
-            sensorless_enable: self.is_set(number::SENSORLESS_ENABLE),
-            hall_enable: self.is_set(number::HALL_ENABLE),
+            open_loop_enable: open_loop,
+            sensorless_enable: sensorless,
+            hall_enable: hall,
             boot: self.ticks(500),
             lock,
             lock_level,
@@ -494,6 +495,7 @@ impl Builder<'_> {
             auto_restart: self.ticks(2_000),
             fault_wait: self.duration(number::FAULT_WAIT),
             command_timeout: self.duration(number::CAN_TIMEOUT),
+            other_source: OTHER_SOURCE && sensorless && hall && self.is_set(number::OTHER_SOURCE),
         }
     }
 

@@ -38,7 +38,7 @@ use super::guard::protection::{Evidence, Protection};
 use super::machine::Machine;
 use super::machine::event::{Command, Event, HallCalibration, Health, SlowMeasurements};
 use super::machine::state::State;
-use super::modes::HALL;
+use super::modes::{HALL, OTHER_SOURCE};
 use super::ramp::Ramp;
 use super::rotor::hall::HallEvents;
 use super::rotor::hall_calibration::HallCalibrator;
@@ -136,8 +136,11 @@ impl Drive {
     /// After a change of state (and after `enter`) or of the coefficients: the source of the rotor, and what
     /// depends on both alone.
     fn refresh(&mut self) {
-        self.rotor.follow(self.now, self.source());
-        self.on_time = sampling_limits(self.rotor.source(), &self.coefficients);
+        let halls = self.machine.state() == State::HallClosedLoop;
+        let accompanied = OTHER_SOURCE && halls && self.coefficients.machine.other_source;
+        self.rotor.follow(self.now, self.source(), accompanied);
+        let watched = if accompanied { Source::Terminals } else { self.rotor.source() };
+        self.on_time = sampling_limits(watched, &self.coefficients);
         self.control.decide_anew();
     }
 
@@ -279,9 +282,13 @@ impl Drive {
         self.asked = now;
         let hall = self.sense_halls(samples);
         let turned = hall.sectors != 0 || sensed;
+        let irregular = self.is_irregular(hall);
+        if OTHER_SOURCE && (self.rotor.is_to_compare(now) || (irregular && self.rotor.is_accompanied())) {
+            self.watchful = true;
+        }
         let concerns_faults = self.protection.due().is_due(now)
             || !self.is_electrically_quiet(samples, current)
-            || self.is_irregular(hall)
+            || irregular
             || (turned && self.overspeeds())
             || (self.watchful && self.has_fault());
         if concerns_faults {

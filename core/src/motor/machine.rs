@@ -75,6 +75,9 @@ pub struct MachineCoefficients {
     pub fault_wait: u32,
     /// Command time-out.
     pub command_timeout: u32,
+    /// Where the hall sensors fail the terminals go on, and the other way round (parameter 308); both modes
+    /// are enabled.
+    pub other_source: bool,
 }
 
 /// Inputs of the machine in one tick.
@@ -92,6 +95,8 @@ pub struct Inputs {
     pub calibrated: bool,
     /// The present parameter set builds.
     pub parameters_fit: bool,
+    /// The rotor's other source may go on.
+    pub other_source: bool,
 }
 
 /// A change of state.
@@ -183,12 +188,13 @@ impl Machine {
     }
 
     /// True in the ordinary tick of a state, in which no row of the table can hold; else
-    /// [`advance`](Self::advance) looks. Of the rows that ask for standstill T47 alone waits for nothing
-    /// else.
+    /// [`advance`](Self::advance) looks. Of the rows that ask for standstill T47 and T45 alone wait for
+    /// nothing else; T54 for the other source.
     #[inline]
-    pub fn rests(&self, now: Instant, critical: bool, stopped: bool) -> bool {
+    pub fn rests(&self, now: Instant, critical: bool, stopped: bool, other_source: bool) -> bool {
         let stalls = stopped && self.state == State::SensorlessClosedLoop;
-        !(self.due.is_due(now) || critical || stalls)
+        let changes = other_source && self.state == State::HallClosedLoop;
+        !(self.due.is_due(now) || critical || stalls || changes)
     }
 
     /// Time at which a row of the table may hold by time alone.
@@ -247,7 +253,11 @@ impl Machine {
 
     /// One tick: at most one transition fires.
     pub fn step(&mut self, c: &MachineCoefficients, now: Instant, inputs: &Inputs) -> Option<Change> {
-        if self.rests(now, inputs.critical, inputs.stopped) { None } else { self.advance(c, now, inputs) }
+        if self.rests(now, inputs.critical, inputs.stopped, inputs.other_source) {
+            None
+        } else {
+            self.advance(c, now, inputs)
+        }
     }
 
     /// Runs a tick that does not [rest](Self::rests): at most one transition fires.
@@ -270,6 +280,11 @@ impl Machine {
         }
         if self.state == State::Standby && row.to != State::Fault {
             self.leave_standby(conditions);
+        }
+        match (row.from, row.to) {
+            (State::HallClosedLoop, State::SensorlessClosedLoop) => self.sensorless = true,
+            (State::SensorlessClosedLoop, State::HallClosedLoop) => self.sensorless = false,
+            _ => {}
         }
         let timed_out = row.to == State::Fault && row.all == Conditions::EXPIRED;
         (self.state, self.age, self.due) = (row.to, 0, now);
@@ -324,6 +339,7 @@ impl Machine {
             (inputs.stopped, Conditions::STOPPED),
             (reversal, Conditions::REVERSAL),
             (acknowledged && !inputs.critical, Conditions::ACKNOWLEDGED),
+            (inputs.other_source, Conditions::OTHER_SOURCE),
         ];
         for (holds, condition) in found {
             conditions.set(condition, holds);

@@ -36,6 +36,14 @@ pub enum Source {
     Field,
 }
 
+/// Angle after a crossing at which the hall sensors should have shown the next sector for 20 degrees: 50
+/// degrees, u32 turn.
+const COMPARED: i32 = ((1_i64 << 32) * 50 / 360) as i32;
+/// Angle by which hall sensors that work stay behind the terminals at most: 17 degrees, u32 turn.
+const LAG: i32 = ((1_i64 << 32) * 17 / 360) as i32;
+/// Angle by which they are ahead at most: 30 degrees, u32 turn. A sector that is shown too early is one of 60.
+const LEAD: i32 = ((1_i64 << 32) * 30 / 360) as i32;
+
 /// State of the rotor station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rotor {
@@ -44,6 +52,10 @@ pub struct Rotor {
     pub(super) sensorless: Sensorless,
     pub(super) field: OpenLoop,
     turned: Turned,
+    /// The terminals are watched beside the hall sensors that run the motor.
+    accompanied: bool,
+    /// The tick in which the hall sensors should show the sector that the terminals have seen.
+    compared: Instant,
 }
 
 /// Sectors turned since power-up. It follows the sector that the rotor is in, so whoever tells it may change:
@@ -86,10 +98,12 @@ pub struct Position {
 }
 
 impl Rotor {
-    /// From now on `source` shows where the rotor is.
-    pub fn follow(&mut self, now: Instant, source: Source) {
+    /// From now on `source` shows where the rotor is; `accompanied`: the terminals are watched beside the hall
+    /// sensors.
+    pub fn follow(&mut self, now: Instant, source: Source, accompanied: bool) {
         let listened = self.listens();
-        self.source = source;
+        (self.source, self.accompanied) = (source, accompanied);
+        self.compared = now.after(u32::MAX);
         if self.listens() && !listened {
             self.sensorless.begin_listening(now);
         }
@@ -115,7 +129,7 @@ impl Rotor {
     /// The terminals show something of the rotor.
     #[inline]
     const fn listens(&self) -> bool {
-        SENSORLESS && matches!(self.source, Source::Both | Source::Terminals)
+        SENSORLESS && (self.accompanied || matches!(self.source, Source::Both | Source::Terminals))
     }
 
     /// The next tick looks at everything.
@@ -151,7 +165,52 @@ impl Rotor {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        self.listens() && self.sensorless.sense(&c.sensorless, now, samples, bus_voltage, applied, torque)
+        let changed = self.listens()
+            && self.sensorless.sense(&c.sensorless, now, samples, bus_voltage, applied, torque);
+        if changed && self.accompanied {
+            self.compared = self.sensorless.estimator().passes(COMPARED);
+        }
+        changed
+    }
+
+    /// The terminals are watched beside the hall sensors that run the motor.
+    #[inline]
+    pub const fn is_accompanied(&self) -> bool {
+        self.accompanied
+    }
+
+    /// It is time to compare the hall sensors with the terminals. True once for each crossing.
+    #[inline]
+    pub fn is_to_compare(&mut self, now: Instant) -> bool {
+        let is_due = self.accompanied && self.compared.is_due(now);
+        if is_due {
+            self.compared = now.after(u32::MAX);
+        }
+        is_due
+    }
+
+    /// Time of the next comparison.
+    #[inline]
+    pub fn compared(&self, now: Instant) -> Instant {
+        if self.accompanied { self.compared } else { now.after(u32::MAX) }
+    }
+
+    /// The terminals show a rotor that turns by `torque`, and the hall sensors contradict them or themselves.
+    pub fn halls_fail(&self, c: &Coefficients, now: Instant, torque: Direction) -> bool {
+        let estimator = self.sensorless.estimator();
+        if !self.accompanied || !self.sensorless.is_established(&c.sensorless, now) {
+            return false;
+        }
+        let behind = estimator.angle(now).wrapping_sub(self.hall.angle(now)) as i32;
+        let agrees = (-LEAD..=LAG).contains(&torque.signed(behind)) && torque.signed(self.hall.speed()) >= 0;
+        let lowest = c.sensorless_mode.speed_min / 2;
+        (!agrees || self.hall.doubtful(&c.hall)) && torque.signed(self.speed_observed(c, now)) > lowest
+    }
+
+    /// The hall sensors show a rotor that turns by `torque`.
+    pub fn halls_work(&self, c: &Coefficients, torque: Direction) -> bool {
+        let doubtful = self.is_mute() || self.hall.doubtful(&c.hall);
+        !doubtful && torque.signed(self.hall.speed()) > 0
     }
 
     /// The hall sensors in one tick.

@@ -66,6 +66,7 @@ impl Drive {
             return self.now.next();
         }
         let (machine, protection) = (self.machine.due(), self.protection.due());
-        machine.earlier(protection).earlier(self.rotor.hall.due()).earlier(self.pattern_due)
+        let rotor = self.rotor.hall.due().earlier(self.rotor.compared(self.now));
+        machine.earlier(protection).earlier(rotor).earlier(self.pattern_due)
     }
 }

@@ -1,10 +1,11 @@
 //! Changes of the state, and the set-up that each transition does.
 
 use super::Drive;
+use crate::motor::guard::fault::Cause;
 use crate::motor::machine::event::HallCalibration;
 use crate::motor::machine::state::State;
 use crate::motor::machine::{Change, Inputs};
-use crate::motor::modes::{HALL, OPEN_LOOP, SENSORLESS};
+use crate::motor::modes::{HALL, OPEN_LOOP, OTHER_SOURCE, SENSORLESS};
 use crate::motor::ramp::Ramp;
 use crate::motor::sense::samples::Samples;
 
@@ -13,8 +14,20 @@ impl Drive {
     #[inline(never)]
     pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) -> bool {
         self.rotor.renew(self.now);
-        let stands = self.rotor.may_stand();
-        !self.machine.rests(self.now, critical, stands) && self.change_state(critical, stands, samples)
+        let (stands, other) = (self.rotor.may_stand(), OTHER_SOURCE && self.has_other_source());
+        !self.machine.rests(self.now, critical, stands, other)
+            && self.change_state(critical, (stands, other), samples)
+    }
+
+    /// The source of the rotor's position that is not in use may take over (parameter 308).
+    fn has_other_source(&self) -> bool {
+        let (c, torque) = (&self.coefficients, self.machine.direction());
+        c.machine.other_source
+            && match self.machine.state() {
+                State::HallClosedLoop => self.rotor.halls_fail(c, self.now, torque),
+                State::SensorlessClosedLoop => self.rotor.halls_work(c, torque),
+                _ => false,
+            }
     }
 
     /// Speed 0, as the running mode judges it.
@@ -34,7 +47,12 @@ impl Drive {
     }
 
     #[inline(never)]
-    fn change_state(&mut self, critical: bool, stands: bool, samples: &Samples) -> bool {
+    fn change_state(
+        &mut self,
+        critical: bool,
+        (stands, other_source): (bool, bool),
+        samples: &Samples,
+    ) -> bool {
         let stopped = self.stopped(stands);
         let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
         let inputs = Inputs {
@@ -44,6 +62,7 @@ impl Drive {
             stopped,
             calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
             parameters_fit: self.parameters_fit,
+            other_source,
         };
         let change = self.machine.advance(&self.coefficients.machine, self.now, &inputs);
         if let Some(change) = change {
@@ -60,6 +79,16 @@ impl Drive {
     fn enter(&mut self, change: Change, samples: &Samples) {
         if change.timed_out {
             self.protection.raise_timeout();
+        }
+        match (change.row.from, change.row.to) {
+            (State::HallClosedLoop, State::SensorlessClosedLoop) => {
+                self.protection.tell(Some(Cause::HallsGivenUp));
+            }
+            (State::SensorlessClosedLoop, State::HallClosedLoop) => {
+                self.protection.tell(Some(Cause::BackEmfGivenUp));
+            }
+            (State::Standby, to) if to.is_driving() => self.protection.tell(None),
+            _ => {}
         }
         let c = &self.coefficients;
         let direction = self.machine.direction();
@@ -103,6 +132,9 @@ impl Drive {
             State::HallClosedLoop if HALL => {
                 let speed = self.rotor.hall_speed(c, self.now).to_bits().saturating_mul(direction.sign());
                 self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), bus);
+                if OTHER_SOURCE && c.machine.other_source {
+                    self.rotor.sensorless.accompany(self.now, self.rotor.hall.angle(self.now), direction);
+                }
             }
             _ => {}
         }

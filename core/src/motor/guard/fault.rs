@@ -77,6 +77,7 @@ pub enum Cause {
     HallJumps = 0x0602,
     HallStall = 0x0603,
     HallDirection = 0x0604,
+    HallsGivenUp = 0x0605,
     OverPressure = 0x0701,
     StoreMismatch = 0x1A01,
     EmergencyLine = 0x1B01,
@@ -85,6 +86,7 @@ pub enum Cause {
     SensorlessStall = 0x1B04,
     Desynchronisation = 0x1B05,
     WrongLock = 0x1B06,
+    BackEmfGivenUp = 0x1B07,
     ShutdownCommanded = 0x1C01,
     ShutdownLine = 0x1C02,
     CommandTimeout = 0x1D01,
@@ -109,7 +111,7 @@ const fn row(cause: Cause, qualification: u32, meaning: &'static str) -> CauseRo
 
 impl Cause {
     /// Every cause with its qualification time.
-    pub const TABLE: [CauseRow; 24] = [
+    pub const TABLE: [CauseRow; 26] = [
         row(Self::TemperatureWarning, 100_000, "temperature above the warning threshold"),
         row(Self::OverTemperature, 100_000, "temperature above the shutdown threshold"),
         row(Self::OverVoltage, 10_000, "bus voltage above its threshold; at once when 1 V above"),
@@ -128,6 +130,11 @@ impl Cause {
             Self::HallDirection,
             0,
             "hall edges run against the torque: wiring, or a load that drives backwards",
+        ),
+        row(
+            Self::HallsGivenUp,
+            0,
+            "hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit",
         ),
         row(Self::OverPressure, 10_000, "pressure above its threshold"),
         row(Self::StoreMismatch, 0, "parameter store has another layout"),
@@ -148,6 +155,11 @@ impl Cause {
             Self::WrongLock,
             0,
             "sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s)",
+        ),
+        row(
+            Self::BackEmfGivenUp,
+            0,
+            "back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit",
         ),
         row(Self::ShutdownCommanded, 0, "shutdown requested over CAN (motor mode 3)"),
         row(Self::ShutdownLine, 1_000, "the digital input configured for shutdown"),

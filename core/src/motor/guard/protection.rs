@@ -232,6 +232,8 @@ pub struct Protection {
     live: FaultWord,
     latched: FaultWord,
     code: u16,
+    /// What the drive has done about a source of the rotor's position that failed; no fault.
+    told: Option<Cause>,
     /// A critical fault is present.
     critical: bool,
     due: Instant,
@@ -362,9 +364,17 @@ impl Protection {
         self.latched
     }
 
-    /// Extended code of the first critical fault, 0 without one.
+    /// Extended code of the first critical fault; without one of what was [told](Self::tell), or 0.
     pub const fn code(&self) -> u16 {
-        self.code
+        match self.told {
+            Some(cause) if self.code == 0 => cause as u16,
+            _ => self.code,
+        }
+    }
+
+    /// A closed loop goes on by the other one's source, which is no fault, or a start begins (`None`).
+    pub const fn tell(&mut self, cause: Option<Cause>) {
+        self.told = cause;
     }
 
     /// A driven episode has ended or begun: plausibility counts start anew.

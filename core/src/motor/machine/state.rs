@@ -99,6 +99,9 @@ bitflags::bitflags! {
         const REVERSAL = 1 << 13;
         /// Fault acknowledged: causes gone, wait elapsed, Standby requested since.
         const ACKNOWLEDGED = 1 << 14;
+        /// The rotor's other source may go on: the terminals where the hall sensors fail, the hall sensors
+        /// where the terminals do (parameter 308).
+        const OTHER_SOURCE = 1 << 15;
     }
 }
 
@@ -138,9 +141,9 @@ use State::{
     Standby,
 };
 
-/// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the
+/// Table 7, with T06, T16, T76, the reversals, and T54 and T45 between the closed loops (parameter 308). The first row that holds wins, so the order is the
 /// priority: critical fault, Standby request, communication time-out, reversal, time and speed.
-pub const TRANSITIONS: [Transition; 34] = [
+pub const TRANSITIONS: [Transition; 36] = [
     t(Initialization, Fault, C::UNHEALTHY, ANY),
     t(Initialization, Standby, C::BOOTED, ANY),
     t(Standby, Fault, C::CRITICAL, ANY),
@@ -168,11 +171,13 @@ pub const TRANSITIONS: [Transition; 34] = [
     t(SensorlessClosedLoop, Standby, C::STANDBY, ANY),
     t(SensorlessClosedLoop, Fault, C::EXPIRED, ANY),
     t(SensorlessClosedLoop, Standby, REVERSED, ANY),
+    t(SensorlessClosedLoop, HallClosedLoop, C::STOPPED.union(C::OTHER_SOURCE), C::REVERSAL),
     t(SensorlessClosedLoop, SensorlessAutoRestart, C::STOPPED, C::REVERSAL),
     t(HallClosedLoop, Fault, C::CRITICAL, ANY),
     t(HallClosedLoop, Standby, C::STANDBY, ANY),
     t(HallClosedLoop, Fault, C::EXPIRED, ANY),
     t(HallClosedLoop, Standby, REVERSED, ANY),
+    t(HallClosedLoop, SensorlessClosedLoop, C::OTHER_SOURCE, C::REVERSAL),
     t(Fault, Standby, C::ACKNOWLEDGED, C::CRITICAL),
     t(SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
     t(SensorlessAutoRestart, Standby, C::STANDBY, ANY),

@@ -372,6 +372,22 @@ impl Sensorless {
         self.begun = None;
     }
 
+    /// The hall loop begins with a rotor that may stand at `angle`, and the terminals are watched beside it:
+    /// from a coasting rotor the estimate goes on.
+    pub fn accompany(&mut self, now: Instant, angle: u32, torque: Direction) {
+        if !self.listening.is_turning() || self.estimator.direction() != torque {
+            self.estimator.start(now, angle, torque);
+        }
+        self.rails.reset();
+        self.go(now, Phase::Run);
+        self.begun = None;
+    }
+
+    /// The terminals could run the motor.
+    pub fn is_established(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
+        self.phase == Phase::Run && self.estimator.is_established() && self.estimator.since(now) < c.timeout
+    }
+
     /// A start was ended: the rotor that was being brought up coasts, and is listened to.
     pub fn end_start(&mut self, now: Instant) {
         if self.is_kicking() {

@@ -109,10 +109,20 @@ impl ZeroCrossing {
     /// it has not.
     #[inline]
     pub fn overdue_at(&self, sector: u8) -> Instant {
-        let place = TWELFTH.wrapping_mul(place_of(sector).into());
-        let left = (place.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign()).max(0) as u32;
+        self.reaches(TWELFTH.wrapping_mul(place_of(sector).into()))
+    }
+
+    /// The tick in which the rotor is thought to be `beyond` (u32 turn) after its last crossing.
+    pub fn passes(&self, beyond: i32) -> Instant {
+        let place = TWELFTH.wrapping_mul(self.place.into());
+        self.reaches(place.wrapping_add(beyond.wrapping_mul(self.direction.sign()) as u32))
+    }
+
+    /// The first tick in which the rotor is thought to be at `angle` (u32 turn) or beyond.
+    #[inline]
+    fn reaches(&self, angle: u32) -> Instant {
+        let left = (angle.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign()).max(0) as u32;
         let speed = self.speed.unsigned_abs();
-        // The first tick in which it is there, so rounded up.
         self.at.after(left.saturating_add(speed.saturating_sub(1)).checked_div(speed).unwrap_or(u32::MAX))
     }
 
@@ -453,6 +463,11 @@ impl ZeroCrossing {
     /// At least [`PREPARED`] consistent crossings of both polarities.
     pub const fn is_prepared(&self) -> bool {
         self.consistent >= PREPARED && self.polarities == 3
+    }
+
+    /// The crossings of a revolution are known, and no more than two steps since were blind or late.
+    pub const fn is_established(&self) -> bool {
+        self.valid >= PREPARED && self.polarities == 3 && self.blind + self.late <= 2
     }
 
     /// The budget of blind or late steps is spent.
