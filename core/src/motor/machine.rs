@@ -95,8 +95,6 @@ pub struct Inputs {
     pub calibrated: bool,
     /// The present parameter set builds.
     pub parameters_fit: bool,
-    /// The rotor's other source may go on.
-    pub other_source: bool,
 }
 
 /// A change of state.
@@ -133,6 +131,8 @@ pub struct Machine {
     /// The next start runs the hall calibration.
     calibrate: bool,
     refusal: Refusal,
+    /// The rotor's other source may go on.
+    other_source: bool,
 }
 
 impl Default for Machine {
@@ -151,6 +151,7 @@ impl Default for Machine {
             sensorless: false,
             calibrate: false,
             refusal: Refusal::None,
+            other_source: false,
         }
     }
 }
@@ -187,13 +188,18 @@ impl Machine {
         self.calibrate = run && HALL_CALIBRATION;
     }
 
+    /// The source of the rotor's position that is not in use may go on (true), or not.
+    pub const fn offer_other_source(&mut self, offered: bool) {
+        self.other_source = offered;
+    }
+
     /// True in the ordinary tick of a state, in which no row of the table can hold; else
     /// [`advance`](Self::advance) looks. Of the rows that ask for standstill T47 and T45 alone wait for
     /// nothing else; T54 for the other source.
     #[inline]
-    pub fn rests(&self, now: Instant, critical: bool, stopped: bool, other_source: bool) -> bool {
+    pub fn rests(&self, now: Instant, critical: bool, stopped: bool) -> bool {
         let stalls = stopped && self.state == State::SensorlessClosedLoop;
-        let changes = other_source && self.state == State::HallClosedLoop;
+        let changes = self.other_source && self.state == State::HallClosedLoop;
         !(self.due.is_due(now) || critical || stalls || changes)
     }
 
@@ -253,11 +259,7 @@ impl Machine {
 
     /// One tick: at most one transition fires.
     pub fn step(&mut self, c: &MachineCoefficients, now: Instant, inputs: &Inputs) -> Option<Change> {
-        if self.rests(now, inputs.critical, inputs.stopped, inputs.other_source) {
-            None
-        } else {
-            self.advance(c, now, inputs)
-        }
+        if self.rests(now, inputs.critical, inputs.stopped) { None } else { self.advance(c, now, inputs) }
     }
 
     /// Runs a tick that does not [rest](Self::rests): at most one transition fires.
@@ -339,7 +341,7 @@ impl Machine {
             (inputs.stopped, Conditions::STOPPED),
             (reversal, Conditions::REVERSAL),
             (acknowledged && !inputs.critical, Conditions::ACKNOWLEDGED),
-            (inputs.other_source, Conditions::OTHER_SOURCE),
+            (self.other_source, Conditions::OTHER_SOURCE),
         ];
         for (holds, condition) in found {
             conditions.set(condition, holds);

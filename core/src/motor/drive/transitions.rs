@@ -14,9 +14,11 @@ impl Drive {
     #[inline(never)]
     pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) -> bool {
         self.rotor.renew(self.now);
-        let (stands, other) = (self.rotor.may_stand(), OTHER_SOURCE && self.has_other_source());
-        !self.machine.rests(self.now, critical, stands, other)
-            && self.change_state(critical, (stands, other), samples)
+        let stands = self.rotor.may_stand();
+        if OTHER_SOURCE {
+            self.machine.offer_other_source(self.has_other_source());
+        }
+        !self.machine.rests(self.now, critical, stands) && self.change_state(critical, stands, samples)
     }
 
     /// The source of the rotor's position that is not in use may take over (parameter 308).
@@ -47,12 +49,7 @@ impl Drive {
     }
 
     #[inline(never)]
-    fn change_state(
-        &mut self,
-        critical: bool,
-        (stands, other_source): (bool, bool),
-        samples: &Samples,
-    ) -> bool {
+    fn change_state(&mut self, critical: bool, stands: bool, samples: &Samples) -> bool {
         let stopped = self.stopped(stands);
         let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
         let inputs = Inputs {
@@ -62,7 +59,6 @@ impl Drive {
             stopped,
             calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
             parameters_fit: self.parameters_fit,
-            other_source,
         };
         let change = self.machine.advance(&self.coefficients.machine, self.now, &inputs);
         if let Some(change) = change {
