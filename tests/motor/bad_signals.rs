@@ -55,7 +55,8 @@ fn phase_channel_offsets() {
             let mut closed = Closed::sensorless(&config, &[]);
             closed.boot();
             turn(&mut closed, rpm);
-            for _ in 0..1_500 {
+            // Rotor lock.
+            for _ in 0..750 {
                 closed.tick();
                 assert_eq!(closed.status.speed_sensorless.to_bits(), 0, "{codes} codes at rest");
             }

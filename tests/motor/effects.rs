@@ -119,7 +119,8 @@ fn a_drive_takes_the_transitions_of_a_sensorless_start() {
     for length in 1..=way.len() {
         for silent in [false, true] {
             // Shorter than rotor lock.
-            let mut closed = started(Closed::sensorless, &[(number::CAN_TIMEOUT, 100)]);
+            let mut closed =
+                started(Closed::sensorless, &[(number::CAN_TIMEOUT, 100), (number::LOCK_DURATION, 150)]);
             ways(&mut closed, &way[..length.min(3)]);
             if length == 4 {
                 closed.run(5_000);

@@ -32,6 +32,7 @@ pub(crate) struct Memory {
     pub(crate) sensorless: bool,
     pub(crate) calibrate: bool,
     pub(crate) refusal: Refusal,
+    pub(crate) other_source: bool,
 }
 
 /// Durations in ticks. Each is long enough for a tick in which nothing else ends, and for one in which the
@@ -92,6 +93,7 @@ struct Ghost {
 enum Input {
     Request(RunRequest),
     Calibrate(bool),
+    Offer(bool),
     Tick { bits: u8, enables: u8 },
 }
 
@@ -111,7 +113,8 @@ fn all_inputs() -> Vec<Input> {
     let requests = [RunRequest::Standby, RunRequest::Drive, RunRequest::Reverse, RunRequest::Shutdown]
         .map(Input::Request);
     let ticks = (0..64).flat_map(|bits| (0..8).map(move |enables| Input::Tick { bits, enables }));
-    requests.into_iter().chain([true, false].map(Input::Calibrate)).chain(ticks).collect()
+    let switches = [true, false].into_iter().flat_map(|on| [Input::Calibrate(on), Input::Offer(on)]);
+    requests.into_iter().chain(switches).chain(ticks).collect()
 }
 
 fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
@@ -175,6 +178,7 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
                     ghost_after = ghost_request(before.state, request, ghost);
                 }
                 Input::Calibrate(run) => after.handle_calibration(run),
+                Input::Offer(offered) => after.offer_other_source(offered),
                 Input::Tick { bits, enables } => {
                     let inputs = inputs(bits);
                     // The drive wakes a machine whose health has changed.

@@ -185,23 +185,23 @@ fn two_ramped_locks_align_from_anywhere() {
         assert!((angle - 120.0).abs() < 12.0, "from {degrees} to {angle}");
         let last = duties.last().copied().unwrap_or(0.0);
         let half = duties.iter().position(|duty| *duty > last / 2.0).unwrap_or(0);
-        assert!(half > 100, "half of the level after {half} ticks");
+        assert!(half > 60, "half of the level after {half} ticks");
     }
 }
 
-/// The level that finds the rotor rises along a ramp of 0.2 s, whatever parameter 109 is: half of it is
-/// reached no earlier than at half of that time.
+/// The level that finds the rotor rises along a ramp of parameter 109, but at least 0.1 s and at most 0.2 s:
+/// half of it is reached no earlier than at half of that time.
 #[test]
 fn the_kick_is_a_ramp() {
     let mut config = config();
     // Friction holds the rotor, so that only the level matters.
     config.load.constant = 1.0;
-    for ramp in [20, 300] {
-        kick_rises(Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, ramp)]));
+    for (ramp, half) in [(20, 450..750), (150, 700..1_150), (300, 900..1_500)] {
+        kick_rises(Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, ramp)]), &half);
     }
 }
 
-fn kick_rises(mut closed: Closed) {
+fn kick_rises(mut closed: Closed, expected: &core::ops::Range<usize>) {
     closed.boot();
     closed.ask(RunRequest::Drive);
     while closed.drive.state() != State::OpenLoop {
@@ -215,7 +215,7 @@ fn kick_rises(mut closed: Closed) {
         .collect();
     let most = duties.iter().copied().fold(0.0, f64::max);
     let half = duties.iter().position(|duty| *duty > most / 2.0).unwrap_or(0);
-    assert!(most > 0.03 && (900..1_500).contains(&half), "{most} at most, half after {half} ticks");
+    assert!(most > 0.03 && expected.contains(&half), "{most} at most, half after {half} ticks");
 }
 
 /// Hand-over continues the set-point's ramp from the measured speed.
@@ -348,7 +348,7 @@ fn dead_time_is_given_back() {
     let mut closed = Closed::sensorless(&config(), &[(number::LOCK_DUTY, 800)]);
     closed.boot();
     closed.ask(RunRequest::Drive);
-    closed.run(1_300);
+    closed.run(700);
     let wanted = 0.08 * 24.0 / closed.plant.observe().bus_voltage + 0.005;
     let found = share(&closed.output);
     assert!(closed.output.step == Step::LockCA && (found - wanted).abs() < 0.001, "{found}, not {wanted}");

@@ -39,6 +39,7 @@ fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {
             }
             match (has(Conditions::STOPPED), has(Conditions::REVERSAL)) {
                 (true, true) => Some(("T41", State::Standby)),
+                (true, false) if has(Conditions::OTHER_SOURCE) => Some(("T45", State::HallClosedLoop)),
                 (true, false) => Some(("T47", State::SensorlessAutoRestart)),
                 (false, _) => None,
             }
@@ -48,7 +49,11 @@ fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {
                 return Some(("T56", State::Fault));
             }
             let reversed = has(Conditions::REVERSAL) && has(Conditions::STOPPED);
-            (has(Conditions::STANDBY) || reversed).then_some(("T51", State::Standby))
+            if has(Conditions::STANDBY) || reversed {
+                return Some(("T51", State::Standby));
+            }
+            let other = has(Conditions::OTHER_SOURCE) && !has(Conditions::REVERSAL);
+            other.then_some(("T54", State::SensorlessClosedLoop))
         }
         State::Fault => {
             let cured = has(Conditions::ACKNOWLEDGED) && !has(Conditions::CRITICAL);
@@ -130,7 +135,7 @@ fn every_state_and_every_set_of_conditions() {
     let mut checked = 0;
     let mut fired = 0;
     for state in State::ALL {
-        for bits in 0..1_u16 << 15 {
+        for bits in 0..=u16::MAX {
             let conditions = Conditions::from_bits(bits).unwrap();
             let found = transition(state, conditions).map(|row| (row.to_string(), row.to));
             assert_eq!(
@@ -143,15 +148,15 @@ fn every_state_and_every_set_of_conditions() {
         }
     }
     println!("{checked} cases, {fired} of them with a transition");
-    assert_eq!(checked, 8 * 32_768);
+    assert_eq!(checked, 8 * 65_536);
 }
 
-/// Every row of Table 7 and the added ones (T06, T16, T76) exist, and every row can be the one that fires.
+/// Every row of Table 7 and the added ones (T06, T16, T76, T54, T45) exist, and every row can be the one that fires.
 #[test]
 fn every_row_of_table_7_can_fire() {
     let mut names = [
         "T01", "T12", "T13", "T15", "T21", "T23", "T26", "T31", "T34", "T36", "T41", "T46", "T47", "T51",
-        "T56", "T61", "T71", "T74", "T06", "T16", "T76",
+        "T56", "T61", "T71", "T74", "T06", "T16", "T76", "T54", "T45",
     ]
     .to_vec();
     for row in &TRANSITIONS {

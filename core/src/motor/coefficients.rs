@@ -136,8 +136,10 @@ impl Coefficients {
 
 /// Speeds above this many electrical revolutions a second leave less than two ticks for a sector.
 const TICKS_A_REVOLUTION_MIN: i64 = 12;
-/// Time in which the level rises that finds the rotor of a motor without sensors, ms.
-const KICK: i64 = 200;
+/// Time in which the level rises that finds the rotor of a motor without sensors, ms: that of parameter 109
+/// within these. A faster one lets a light rotor leap ahead, a slower one loses time.
+const KICK_MIN: i64 = 100;
+const KICK_MAX: i64 = 200;
 /// Silent terminals for this long mean a rotor at rest, ms.
 const REST: i64 = 5;
 /// 2 pi x 10^9.
@@ -474,7 +476,7 @@ impl Builder<'_> {
             align: self.ticks(align),
             align_rate: rise_a_ms(lock_level, align / 4),
             align_level: lock_level,
-            kick_rate: rise_a_ms(kick_level, KICK),
+            kick_rate: rise_a_ms(kick_level, self.wide(number::OPEN_LOOP_RAMP).clamp(KICK_MIN, KICK_MAX)),
             kick_level,
             kick_patience: self.ticks(50),
             kick_limit: self.duration(number::OPEN_LOOP_DURATION).max(self.ticks(1000)),
