@@ -2,7 +2,7 @@
 //! and false crossings, wrong pole pairs. Tables as in `robustness.rs`.
 
 use crate::bench::Closed;
-use crate::robustness::{End, RESTART, Table, config, end, load, running, started, turn};
+use crate::robustness::{End, RESTART, Table, config, end, end_within, load, running, started, turn};
 use End::Fault;
 use narx_core::dictionary::number;
 use narx_core::motor::{Leg, PwmCommand, Samples, State};
@@ -118,7 +118,7 @@ fn comparator_delay_and_hysteresis() {
             let mut closed = started(&config, &[(number::ZC_DELAY, micros)], rpm);
             let holds = micros <= 50 && hysteresis <= 0.5;
             closed.run(if holds { 16_000 } else { 45_000 });
-            let found = end(&mut closed);
+            let found = end_within(&mut closed, if holds { 0.01 } else { 0.03 });
             let name = format!("{micros} us, {hysteresis} V, {rpm} rpm");
             if holds {
                 table.holds(&name, found, closed.peak);

@@ -55,9 +55,7 @@ fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
                 if inputs.calibrated && sleeps.calibrating() {
                     sleeps.wake(now);
                 }
-                let news =
-                    inputs.critical || (inputs.stopped && sleeps.state() == State::SensorlessClosedLoop);
-                let is_asked = news || sleeps.due().is_due(now);
+                let is_asked = !sleeps.rests(now, inputs.critical, inputs.stopped);
                 let found = if is_asked { sleeps.step(&c, now, &inputs) } else { None };
                 let expected = looks.advance(&c, now, &inputs);
                 let [found, expected] = [found, expected]

