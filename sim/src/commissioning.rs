@@ -416,9 +416,9 @@ impl Nameplate {
         write(p, number::LOCK_DUTY, per_cent(lock))?;
         write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
         write(p, number::OPEN_LOOP_SPEED, set)?;
-        // A held rotor swings with wn = sqrt(p k I / J). Without sensors two locks of one period each bring it
-        // near, and the kick, which is commutated on what is seen, follows it from there; a field that turns
-        // by itself needs it at rest.
+        // A held rotor swings with wn = sqrt(p k I / J). Without sensors two locks of one period each bring
+        // it near, and the kick, which is commutated on the crossings seen, follows it from there; a field
+        // that turns by itself needs it at rest.
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
         let (lock, ramp, rest) = match mode {

@@ -178,6 +178,12 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
                     ghost_after = ghost_request(before.state, request, ghost);
                 }
                 Input::Calibrate(run) => after.handle_calibration(run),
+                // The drive offers it in the closed loops alone, and each transition takes it back.
+                Input::Offer(_)
+                    if ![State::HallClosedLoop, State::SensorlessClosedLoop].contains(&before.state) =>
+                {
+                    continue;
+                }
                 Input::Offer(offered) => after.offer_other_source(offered),
                 Input::Tick { bits, enables } => {
                     let inputs = inputs(bits);

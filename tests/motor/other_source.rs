@@ -107,7 +107,7 @@ fn sensors_that_are_a_little_off_are_kept() {
     }
 }
 
-/// Where the back-EMF is lost hall sensors that work again go on.
+/// Hall sensors that work again go on where the back-EMF is lost.
 #[test]
 fn hall_sensors_that_work_again_take_over_from_the_terminals() {
     let mut closed = running(10_000, 1);

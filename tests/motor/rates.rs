@@ -130,7 +130,7 @@ fn ticks_of_parameters_are_100_us() {
         assert!(near(f64::from(c.back_emf.delay_rising), 250e-6), "{rate} Hz");
         let [rest, brake] = [c.rest, c.brake].map(|ticks| f64::from(ticks) / f64::from(rate));
         assert!(
-            (rest - 0.005).abs() < 1.0 / f64::from(rate) && (brake - 0.0064).abs() < 1.0 / f64::from(rate)
+            (rest - 0.005).abs() < 1.0 / f64::from(rate) && (brake - 0.0256).abs() < 1.0 / f64::from(rate)
         );
     }
 }

@@ -151,7 +151,8 @@ fn every_state_and_every_set_of_conditions() {
     assert_eq!(checked, 8 * 65_536);
 }
 
-/// Every row of Table 7 and the added ones (T06, T16, T76, T54, T45) exist, and every row can be the one that fires.
+/// Every row of Table 7 and the added ones (T06, T16, T76, T54, T45) exist, and every row can be the one that
+/// fires.
 #[test]
 fn every_row_of_table_7_can_fire() {
     let mut names = [

@@ -283,8 +283,8 @@ impl Drive {
         let hall = self.sense_halls(samples);
         let turned = hall.sectors != 0 || sensed;
         let irregular = self.is_irregular(hall);
-        if OTHER_SOURCE && (self.rotor.is_to_compare(now) || (irregular && self.rotor.is_accompanied())) {
-            self.watchful = true;
+        if OTHER_SOURCE {
+            self.compare_sources(irregular);
         }
         let concerns_faults = self.protection.due().is_due(now)
             || !self.is_electrically_quiet(samples, current)

@@ -75,8 +75,7 @@ pub struct MachineCoefficients {
     pub fault_wait: u32,
     /// Command time-out.
     pub command_timeout: u32,
-    /// Where the hall sensors fail the terminals go on, and the other way round (parameter 308); both modes
-    /// are enabled.
+    /// A closed loop goes on by the other one's source where its own fails (parameter 308); both are enabled.
     pub other_source: bool,
 }
 
@@ -289,7 +288,7 @@ impl Machine {
             _ => {}
         }
         let timed_out = row.to == State::Fault && row.all == Conditions::EXPIRED;
-        (self.state, self.age, self.due) = (row.to, 0, now);
+        (self.state, self.age, self.due, self.other_source) = (row.to, 0, now, false);
         Some(Change { row, timed_out })
     }
 

@@ -41,7 +41,7 @@ pub enum Source {
 const COMPARED: i32 = ((1_i64 << 32) * 50 / 360) as i32;
 /// Angle by which hall sensors that work stay behind the terminals at most: 17 degrees, u32 turn.
 const LAG: i32 = ((1_i64 << 32) * 17 / 360) as i32;
-/// Angle by which they are ahead at most: 30 degrees, u32 turn. A sector that is shown too early is one of 60.
+/// Angle by which they are ahead at most: 30 degrees, u32 turn. A sector shown too early is ahead by 60.
 const LEAD: i32 = ((1_i64 << 32) * 30 / 360) as i32;
 
 /// State of the rotor station.
@@ -98,8 +98,8 @@ pub struct Position {
 }
 
 impl Rotor {
-    /// From now on `source` shows where the rotor is; `accompanied`: the terminals are watched beside the hall
-    /// sensors.
+    /// From now on `source` shows where the rotor is. `accompanied`: the terminals are watched beside the
+    /// hall sensors.
     pub fn follow(&mut self, now: Instant, source: Source, accompanied: bool) {
         let listened = self.listens();
         (self.source, self.accompanied) = (source, accompanied);
@@ -195,8 +195,9 @@ impl Rotor {
         if self.accompanied { self.compared } else { now.after(u32::MAX) }
     }
 
-    /// The terminals show a rotor that turns by `torque`, and the hall sensors contradict them or themselves.
-    pub fn halls_fail(&self, c: &Coefficients, now: Instant, torque: Direction) -> bool {
+    /// The terminals show a rotor that turns by `torque`, and the hall sensors contradict themselves or, where
+    /// the two can be compared, the terminals.
+    pub fn halls_fail(&self, c: &Coefficients, now: Instant, torque: Direction, compares: bool) -> bool {
         let estimator = self.sensorless.estimator();
         if !self.accompanied || !self.sensorless.is_established(&c.sensorless, now) {
             return false;
@@ -204,7 +205,8 @@ impl Rotor {
         let behind = estimator.angle(now).wrapping_sub(self.hall.angle(now)) as i32;
         let agrees = (-LEAD..=LAG).contains(&torque.signed(behind)) && torque.signed(self.hall.speed()) >= 0;
         let lowest = c.sensorless_mode.speed_min / 2;
-        (!agrees || self.hall.doubtful(&c.hall)) && torque.signed(self.speed_observed(c, now)) > lowest
+        ((compares && !agrees) || self.hall.doubtful(&c.hall))
+            && torque.signed(self.speed_observed(c, now)) > lowest
     }
 
     /// The hall sensors show a rotor that turns by `torque`.

@@ -15,21 +15,23 @@ impl Drive {
     pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) -> bool {
         self.rotor.renew(self.now);
         let stands = self.rotor.may_stand();
-        if OTHER_SOURCE {
-            self.machine.offer_other_source(self.has_other_source());
+        let c = &self.coefficients;
+        if OTHER_SOURCE && c.machine.other_source && self.machine.state() == State::SensorlessClosedLoop {
+            self.machine.offer_other_source(self.rotor.halls_work(c, self.machine.direction()));
         }
         !self.machine.rests(self.now, critical, stands) && self.change_state(critical, stands, samples)
     }
 
-    /// The source of the rotor's position that is not in use may take over (parameter 308).
-    fn has_other_source(&self) -> bool {
-        let (c, torque) = (&self.coefficients, self.machine.direction());
-        c.machine.other_source
-            && match self.machine.state() {
-                State::HallClosedLoop => self.rotor.halls_fail(c, self.now, torque),
-                State::SensorlessClosedLoop => self.rotor.halls_work(c, torque),
-                _ => false,
-            }
+    /// Judges the hall sensors that run the motor by the terminals, once after each crossing, and whenever
+    /// they contradict themselves (parameter 308).
+    pub(super) fn compare_sources(&mut self, irregular: bool) {
+        let compares = self.rotor.is_to_compare(self.now);
+        if self.rotor.is_accompanied() && (compares || irregular) {
+            let (c, torque) = (&self.coefficients, self.machine.direction());
+            let fail = self.rotor.halls_fail(c, self.now, torque, compares);
+            self.machine.offer_other_source(fail);
+            self.watchful |= fail;
+        }
     }
 
     /// Speed 0, as the running mode judges it.

@@ -232,7 +232,7 @@ pub struct Protection {
     live: FaultWord,
     latched: FaultWord,
     code: u16,
-    /// What the drive has done about a source of the rotor's position that failed; no fault.
+    /// The source of the rotor's position that the drive has given up; no fault.
     told: Option<Cause>,
     /// A critical fault is present.
     critical: bool,

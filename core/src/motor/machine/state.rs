@@ -141,8 +141,9 @@ use State::{
     Standby,
 };
 
-/// Table 7, with T06, T16, T76, the reversals, and T54 and T45 between the closed loops (parameter 308). The first row that holds wins, so the order is the
-/// priority: critical fault, Standby request, communication time-out, reversal, time and speed.
+/// Table 7, with T06, T16, T76, the reversals, and T54 and T45 between the closed loops (parameter 308). The
+/// first row that holds wins, so the order is the priority: critical fault, Standby request, communication
+/// time-out, reversal, time and speed.
 pub const TRANSITIONS: [Transition; 36] = [
     t(Initialization, Fault, C::UNHEALTHY, ANY),
     t(Initialization, Standby, C::BOOTED, ANY),
