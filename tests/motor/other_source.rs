@@ -8,12 +8,12 @@ use narx_sim::plant::{Injection, LoadConfig, Phase, PlantConfig};
 /// Torque of the load, N m: half of what the motor gives with 4 A.
 const TORQUE: f64 = 0.07;
 
-/// A motor in the hall loop at [`RPM`], with both closed loops enabled, and parameter 308 as `allowed`.
-fn running(rate: u32, allowed: i32) -> Closed {
+/// A motor in the hall loop at [`RPM`], with both closed loops enabled, and this change.
+fn running(rate: u32, change: (u16, i32)) -> Closed {
     let mut config = PlantConfig::new(MOTOR, 24.0);
     config.board = Board::BENCH.at_rate(rate).unwrap();
     config.load = LoadConfig { constant: TORQUE, ..LoadConfig::default() };
-    let changes = [(number::SENSORLESS_ENABLE, 1), (number::OTHER_SOURCE, allowed)];
+    let changes = [(number::SENSORLESS_ENABLE, 1), change];
     let mut closed = Closed::new(&config, &changes);
     for _ in 0..u64::from(rate) * 51 / 100 {
         closed.tick();
@@ -39,7 +39,7 @@ fn a_motor_goes_on_without_its_hall_sensors() {
         let (mut slowest, mut peak, mut latest) = (RPM, 0.0_f64, 0);
         for lie in lies() {
             for place in [0, 7, 16, 29] {
-                let mut closed = running(rate, 1);
+                let mut closed = running(rate, (number::OTHER_SOURCE, 1));
                 closed.run(place);
                 (closed.peak, closed.bus_max) = (0.0, 0.0);
                 closed.plant.inject(lie);
@@ -70,7 +70,7 @@ fn a_motor_goes_on_without_its_hall_sensors() {
 /// The factory value: hall sensors that fail are a fault.
 #[test]
 fn without_leave_hall_sensors_that_fail_are_a_fault() {
-    let mut closed = running(10_000, 0);
+    let mut closed = running(10_000, (number::OTHER_SOURCE, 0));
     closed.plant.inject(Injection::HallSupplyLost);
     assert_eq!(closed.run(1_000), Outcome::Fault { ticks: 70, code: Cause::HallInvalid as u16 });
 }
@@ -79,7 +79,7 @@ fn without_leave_hall_sensors_that_fail_are_a_fault() {
 #[test]
 fn a_single_glitch_changes_nothing() {
     for place in [0, 9, 21] {
-        let mut closed = running(10_000, 1);
+        let mut closed = running(10_000, (number::OTHER_SOURCE, 1));
         closed.run(place);
         closed.tick_altered(|samples, _| samples.hall = 7);
         assert_eq!(closed.run(2_000), Outcome::Running);
@@ -110,7 +110,7 @@ fn sensors_that_are_a_little_off_are_kept() {
 /// Hall sensors that work again go on where the back-EMF is lost.
 #[test]
 fn hall_sensors_that_work_again_take_over_from_the_terminals() {
-    let mut closed = running(10_000, 1);
+    let mut closed = running(10_000, (number::OTHER_SOURCE, 1));
     closed.plant.inject(Injection::HallSupplyLost);
     assert_eq!(closed.run(1_000), Outcome::Running);
     assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);

@@ -373,8 +373,8 @@ impl Protection {
     }
 
     /// A closed loop goes on by the other one's source, which is no fault, or a start begins (`None`).
-    pub const fn tell(&mut self, cause: Option<Cause>) {
-        self.told = cause;
+    pub fn tell(&mut self, cause: Option<Cause>) {
+        self.told = cause.filter(|cause| !blind::to("cause", *cause as u32));
     }
 
     /// A driven episode has ended or begun: plausibility counts start anew.
