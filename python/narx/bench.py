@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-from narx import _core
+from narx import _core, given
 from narx._core import Load, Motor
 from narx.drive import Drive
 from narx.link import BenchLink
@@ -35,7 +35,8 @@ class Bench:
         recording: bool = True,
         pwm_rate: int = 10_000,
     ) -> None:
-        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
+        load = None if load is None else given.load(load)
+        self._bench = _core.Bench(given.motor(motor), supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._drive = Drive(BenchLink(self._bench))
 
     @property
@@ -79,14 +80,14 @@ class Bench:
         "hall-supply-lost", "blocked-rotor", "pressure" (V behind the amplifier), "break" (the hardware's
         break input), "dsi1", "dsi2".
         """
-        self._bench.set_fault(fault.replace("_", "-"), True, value, phase, high)
+        self._bench.set_fault(str(fault).replace("_", "-"), True, value, phase, high)
 
     def clear(self, fault: str | None = None, phase: Literal["A", "B", "C"] | None = None) -> None:
         """Removes one fault of `inject`, or all faults."""
         if fault is None:
             self._bench.clear_faults()
         else:
-            self._bench.set_fault(fault.replace("_", "-"), False, None, phase, False)
+            self._bench.set_fault(str(fault).replace("_", "-"), False, None, phase, False)
 
     def add_tx_driver(
         self, node_id: int, channels: Literal[1, 2] = 1, encoder: int | None = None, measuring_range: float = 2.0
@@ -101,7 +102,7 @@ class Bench:
 
     def set_load(self, load: Load) -> None:
         """Replaces the load on the shaft."""
-        self._bench.set_load(load)
+        self._bench.set_load(given.load(load))
 
     def set_input(self, name: str, value: float) -> None:
         """Sets a slow input of the board to a value: one of `inputs`, in the unit of its measured

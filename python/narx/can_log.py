@@ -172,7 +172,7 @@ class CanLog:
         """Returns a data frame with the signals side by side, each held from one message to the next, NaN
         before its first one. Without names it has all signals that are in one message only. It has a row for
         every time at which one of them came, or every `period` s. Raises SignalError for a name that is not a
-        signal.
+        signal, ParameterError for a period that is not at least a microsecond.
         """
         from pandas import DataFrame
 
@@ -182,6 +182,8 @@ class CanLog:
                 raise SignalError(f'"{name}" is a message: its table has a to_pandas of its own')
         times = [series.time for series in chosen.values()]
         time = np.unique(np.concatenate(times)) if times else np.zeros(0)
+        if period is not None:
+            period = _core.number("period", period, "s", 1e-6)
         if period is not None and len(time):
             time = np.arange(time[0], time[-1] + period / 2, period)
         return DataFrame({"time": time} | {name: series.at(time) for name, series in chosen.items()})

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 from warnings import warn
 
-from narx import _core
+from narx import _core, given
 from narx._core import State
 from narx.description import describe
 from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning
@@ -64,10 +64,11 @@ class Measurements(Mapping[str, float]):
         """Returns the measurement with its unit and time. Raises SignalError for one that does not exist, or
         was not received yet."""
         folded = {known.casefold(): known for known in self._known}
+        wanted = str(name).casefold()
         try:
-            return self._known[folded[name.casefold()]]
+            return self._known[folded[wanted]]
         except KeyError:
-            if name.casefold() in (known.casefold() for known in self._names):
+            if wanted in (known.casefold() for known in self._names):
                 raise SignalError(f'measurement "{name}" was not received yet') from None
             raise SignalError(f'there is no measurement "{name}"{suggestion(name, self._names)}') from None
 
@@ -334,12 +335,14 @@ class Drive:
         self._request("auto-calibrate")
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass, s: simulated time on a bench, else real time."""
-        self._link.wait(lambda: False, seconds)
+        """Lets time pass, s: simulated time on a bench, else real time. Raises ParameterError for a time that
+        is negative or not finite."""
+        self._link.wait(lambda: False, given.seconds(seconds))
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
-        return self._link.wait(done, timeout)
+        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was done.
+        Raises ParameterError for a time-out that is negative or NaN."""
+        return self._link.wait(done, given.timeout(timeout))
 
     def close(self, stop: bool = True) -> None:
         """Stops the motor, unless `stop` is false, and releases the bus. A second call does nothing."""
@@ -398,6 +401,7 @@ def connect(
     """
     import can
 
+    timeout = given.timeout(timeout)
     bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
     try:
         drive = Drive(bus, slave, monitor, setpoint_period, silent, read_parameters)

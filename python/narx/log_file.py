@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from narx import _core
+from narx import _core, given
 from narx.can_log import CanLog
 from narx.columns import FLAGS, LogError
 from narx.errors import ParameterError
@@ -48,7 +48,7 @@ def read_log(
     in `errors`, as is the end of a truncated file. Formats other than candump need python-can.
     """
     path = Path(path)
-    nodes = list(encoders)
+    nodes = given.several("encoders", encoders)
     reader = _core.LogReader(slave, monitor, nodes)
     errors: list[LogError] = []
     *_, ending, packing = ["", "", *(suffix.lower() for suffix in path.suffixes)]
@@ -236,7 +236,7 @@ def batches(found: Iterator[Found], errors: list[LogError]) -> Iterator[list[Giv
         if reason:
             errors.append(LogError(line, text.strip()[:TOLD], reason))
             continue
-        batch.append(given(message))
+        batch.append(parts(message))
         if len(batch) == BATCH:
             yield batch
             batch = []
@@ -258,7 +258,7 @@ def flaw(message: Any) -> str | None:
     return None
 
 
-def given(message: can.Message) -> Given:
+def parts(message: can.Message) -> Given:
     """Converts a message for the core's reader."""
     flags = (
         FLAGS["extended"] * message.is_extended_id

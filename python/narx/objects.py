@@ -40,16 +40,10 @@ class Object:
     def raw(self, value: float) -> int:
         """Returns the raw value that is nearest to `value` in the entry's unit. Raises ParameterError outside
         of the range."""
-        unit = f" {self.unit}" if self.unit else ""
-        try:
-            fits = self.min <= value <= self.max
-        except TypeError:
-            fits = False
-        if not fits or (self.scale == 1.0 and int(value) != value):
-            kind = "a whole number " if self.scale == 1.0 else ""
-            name = f'object {self.index:04X}h "{self.name}"'
-            raise ParameterError(f"{name} {value!r}: must be {kind}from {self.min:g} to {self.max:g}{unit}")
-        return round(value / self.scale)
+        name = f'object {self.index:04X}h "{self.name}"'
+        if self.scale == 1.0:
+            return _core.whole_number(name, value, int(self.min), int(self.max), self.unit)
+        return round(_core.number(name, value, self.unit, self.min, self.max) / self.scale)
 
 
 class Objects(MutableMapping[Key, float]):
@@ -101,7 +95,8 @@ class Objects(MutableMapping[Key, float]):
                 return row
         if isinstance(key, str):
             raise ParameterError(f'there is no object "{key}"{suggestion(key, (row.name for row in cls.rows))}')
-        address = ", ".join(f"{part:04X}h" for part in ((key,) if isinstance(key, int) else key))
+        parts = key if isinstance(key, tuple) else (key,)
+        address = ", ".join(f"{part:04X}h" if isinstance(part, int) else repr(part) for part in parts)
         raise ParameterError(f"there is no object {address}")
 
     def to_dict(self) -> dict[str, float]:

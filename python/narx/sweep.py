@@ -94,9 +94,12 @@ class Sweep:
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:
         """Selects the rows where a mask of shape (rows,) is true: `sweep.where(sweep["ripple"] > 0.05)`.
         Raises ParameterError for a mask of another length."""
-        if len(chosen) != len(self):
-            raise ParameterError(f"a mask of {len(chosen)} values for {len(self)} rows")
-        rows = np.flatnonzero(chosen)
+        mask = np.asarray(chosen)
+        if mask.dtype != bool or mask.ndim != 1:
+            raise ParameterError(f"mask {chosen!r}: must be an array of bool")
+        if len(mask) != len(self):
+            raise ParameterError(f"a mask of {len(mask)} values for {len(self)} rows")
+        rows = np.flatnonzero(mask)
         return Sweep(
             self._task, [self._variants[row] for row in rows], [self._results[row] for row in rows], self.interrupted
         )
@@ -174,8 +177,8 @@ def sweep(
         raise ParameterError("grid: only together with a function; otherwise pass the grid as the first argument")
     else:
         task, chosen = Start(), function_or_grid
-    if chunk is not None and chunk < 1:
-        raise ParameterError(f"chunk {chunk}: must be a whole number, 1 or more")
+    if chunk is not None:
+        chunk = _core.whole_number("chunk", chunk, 1)
     variants = expand(chosen, samples, seed)
     if isinstance(task, Start):
         check(variants)

@@ -1,13 +1,13 @@
 //! Experiments: a start and its figures, many of them on every core.
 
 use crate::bench::{self, Run};
-use crate::error;
+use crate::error::{self, Given};
 use crate::master;
 use crate::motor::{Load, Motor};
 use narx_host::parallel;
 use narx_sim::experiment::{FIGURES, Figures, Value};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 
@@ -21,26 +21,27 @@ impl Experiment {
     /// commissioning. seconds: from the Drive request to the end. fault to fault_high are those of
     /// `narx.Bench.inject`; fault_time: s after the request.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, rpm=None, seconds=2.0,
-                        fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=0.0))]
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000), rpm=None, seconds=Given::Real(2.0),
+                        fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=Given::Real(0.0)))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         py: Python<'_>,
         motor: &Motor,
-        supply_voltage: f64,
+        supply_voltage: Given,
         load: Option<&Load>,
-        mode: &str,
-        parameters: Option<&Bound<'_, PyMapping>>,
-        ambient: f64,
-        seed: i128,
-        pwm_rate: i128,
-        rpm: Option<f64>,
-        seconds: f64,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
+        rpm: Option<Given>,
+        seconds: Given,
         fault: Option<&str>,
-        fault_value: Option<f64>,
-        fault_phase: Option<&str>,
+        fault_value: Option<Given>,
+        fault_phase: Option<Given>,
         fault_high: bool,
-        fault_time: f64,
+        fault_time: Given,
     ) -> PyResult<Self> {
         let session = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         session.commission().map_err(error::parameter)?;

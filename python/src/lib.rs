@@ -38,6 +38,8 @@ mod _core {
     #[pymodule_export]
     use crate::description::Description;
     #[pymodule_export]
+    use crate::error::{checked_number, checked_whole_number};
+    #[pymodule_export]
     use crate::experiment::{Experiment, experiment_figures, run_experiments};
     #[pymodule_export]
     use crate::files::{dbc, eds, xml};

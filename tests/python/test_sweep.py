@@ -239,7 +239,7 @@ REFUSALS: list[tuple[Callable[[], object], str]] = [
     (lambda: narx.sweep([]), "the grid has no variant"),
     (lambda: narx.sweep([3]), "variant 3: must be a mapping"),  # type: ignore[list-item]
     (lambda: narx.sweep({"rpm": 1}, samples=0), "samples 0: must be a whole number, 1 or more"),
-    (lambda: narx.sweep({"rpm": 1}, seed=-1), "seed -1: must be a whole number, 0 or more"),
+    (lambda: narx.sweep({"rpm": 1}, seed=-1), "seed -1: must be a whole number from 0 to 18446744073709551615"),
     (lambda: narx.sweep({"rpm": 1}, chunk=0), "chunk 0: must be a whole number, 1 or more"),
     (lambda: narx.sweep({"rpm": 1}, grid={"rpm": 1}), "grid: only together with a function"),
 ]
