@@ -13,6 +13,7 @@ import can
 
 from narx import _core
 from narx.errors import NarxError
+from narx.names import suggestion
 
 QUEUE = 100_000
 """Largest number of frames that wait for a client that does not read."""
@@ -20,6 +21,12 @@ TICK = 1e-4
 """Control tick, s: the shortest time that can be simulated."""
 STEP = 0.1
 """Simulated time between two checks for Ctrl-C, s."""
+
+
+OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers")
+"""Options of the virtual drive."""
+GENERIC = ("fd", "data_bitrate", "timing", "state", "single_handle")
+"""Options that python-can's own programs and configuration pass to every bus; they are none of the virtual drive."""
 
 
 class World:
@@ -121,8 +128,15 @@ class NarxBus(can.BusABC):
     ) -> None:
         if bitrate != 500_000:
             raise can.CanInitializationError(f"bitrate {bitrate}: the drive's bus has 500000")
-        known = {"motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers"}
-        options = {name: value for name, value in options.items() if name in known}
+        if options.get("fd"):
+            raise can.CanInitializationError("fd True: the drive's bus has no CAN FD")
+        for name in options:
+            if name not in (*OPTIONS, *GENERIC):
+                raise can.CanInitializationError(
+                    f'there is no option "{name}"{suggestion(name, OPTIONS)}; there are channel, can_filters, realtime, '
+                    f"receive_own_messages, bitrate, {', '.join(OPTIONS)}"
+                )
+        options = {name: value for name, value in options.items() if name in OPTIONS}
         try:
             self._world, self._client = World.join(str(channel), realtime, options)
         except NarxError as error:

@@ -76,6 +76,8 @@ def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
     ("options", "message"),
     [
         ({"bitrate": 250_000}, "bitrate 250000: the drive's bus has 500000"),
+        ({"moter": "bly172s-24v"}, 'there is no option "moter"; did you mean "motor".*; there are channel, .*, tx_drivers$'),
+        ({"fd": True}, "fd True: the drive's bus has no CAN FD"),
         ({"motor": "nema17"}, 'there is no preset "nema17"'),
         ({"supply_voltage": 12.0}, "supply voltage 12 V is outside 18 to 60 V"),
     ],
@@ -83,6 +85,13 @@ def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
 def test_a_bus_that_cannot_be(options: dict[str, Any], message: str) -> None:
     with pytest.raises(can.CanInitializationError, match=message):
         can.Bus(interface="narx", channel="cannot be", **options)
+
+
+def test_options_of_every_bus_of_python_can_are_allowed() -> None:
+    # `python -m can.logger` passes them to whatever interface it opens.
+    generic: dict[str, Any] = {"single_handle": True, "fd": False, "data_bitrate": None, "timing": None, "can_filters": None}
+    with can.Bus(interface="narx", channel="generic", bitrate=500_000, realtime=False, **generic, **OPTIONS) as bus:
+        assert bus.recv(1.0) is not None
 
 
 def test_the_clock_paces_a_real_time_bus() -> None:
