@@ -6,13 +6,13 @@ import itertools
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import can
 
 from narx import _core
-from narx.errors import NarxError
+from narx.errors import NarxError, RefusedError
 from narx.names import suggestion
 
 QUEUE = 100_000
@@ -27,6 +27,10 @@ OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "
 """Options of the virtual drive."""
 GENERIC = ("fd", "data_bitrate", "timing", "state", "single_handle")
 """Options that python-can's own programs and configuration pass to every bus; they are none of the virtual drive."""
+
+
+Master = Callable[[float], float]
+"""A master on the bus: sends the frames that are due at a time, s, and returns the time of its next one."""
 
 
 class World:
@@ -46,6 +50,7 @@ class World:
         self.bus = _core.VirtualBus(preset, **options)
         self.queues: dict[int, deque[can.Message]] = {}
         self.own: set[int] = set()
+        self.masters: dict[int, Master] = {}
         self.arrived = threading.Condition()
         self._over = threading.Event()
         self._thread: threading.Thread | None = None
@@ -70,6 +75,7 @@ class World:
         """Removes a client; the last one ends the world."""
         with self._guard:
             self.queues.pop(client, None)
+            self.masters.pop(client, None)
             if self.queues:
                 return
             self._all.pop(self.channel, None)
@@ -78,8 +84,10 @@ class World:
             self._thread.join()
 
     def advance(self, until: float, until_frame: bool = False) -> None:
-        """Simulates until the time `until`, s, or until a frame has passed if `until_frame`."""
-        passed = self.bus.advance(until, until_frame)
+        """Simulates until the time `until`, s, or until a frame has passed if `until_frame`; at most until a
+        master has a frame to send."""
+        due = min((poll(self.bus.time) for poll in list(self.masters.values())), default=until)
+        passed = self.bus.advance(min(until, max(due, self.bus.time + TICK)), until_frame)
         if not passed:
             return
         with self.arrived:
@@ -114,7 +122,9 @@ class NarxBus(can.BusABC):
     motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient, seed and
     pwm_rate are those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one
     channel and with an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the
-    clock; without it, time passes only during a call that receives, as fast as it can be simulated.
+    clock; without it, time passes only during a call that receives, as fast as it can be simulated. Once a
+    `narx.Drive` or `narx.TxDriver` is on the channel, only their calls let time pass, and the frames of each
+    are sent when they are due; any other bus receives what has passed.
     """
 
     def __init__(
@@ -167,8 +177,10 @@ class NarxBus(can.BusABC):
             raise can.CanOperationError("the queue of frames to send is full")
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """Returns the next frame, or `None` after `timeout` s of the bus's time."""
-        if self.realtime:
+        """Returns the next frame, or `None` after `timeout` s of the bus's time: by the clock with realtime, and
+        while only others let time pass."""
+        masters = self._world.masters
+        if self.realtime or (masters and self._client not in masters):
             return super().recv(timeout)
         # Own loop, because the base class measures time-outs by the clock.
         queue = self._queue()
@@ -181,6 +193,16 @@ class NarxBus(can.BusABC):
             message = queue.popleft()
             if self._matches_filters(message):
                 return message
+
+    def attach(self, master: Master) -> None:
+        """Makes this bus that of a master, whose calls let time pass. It receives the bus's frames alone."""
+        if can.Notifier.find_instances(self):
+            raise RefusedError("a can.Notifier reads this bus: without realtime the drive and a listener need a can.Bus each")
+        self._world.masters[self._client] = master
+
+    def detach(self) -> None:
+        """Removes the master."""
+        self._world.masters.pop(self._client, None)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         queue = self._queue()

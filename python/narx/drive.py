@@ -13,7 +13,7 @@ from warnings import warn
 from narx import _core, given
 from narx._core import State
 from narx.description import describe
-from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning
+from narx.errors import NarxWarning, NoAnswerError, RefusedError, SignalError, SpeedWarning
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 JOB_MAX = 90.0
 """Longest wait for a job, s: more than any job takes, which ends by itself."""
 
-DRIVE, REVERSE = 1, 2
+STANDBY, DRIVE, REVERSE = 0, 1, 2
+RESTING = (None, State.INITIALIZATION, State.STANDBY)
+"""States of a motor that was not started, as far as is known."""
 
 
 @dataclass(frozen=True)
@@ -157,13 +159,22 @@ class Drive:
         """Requests another speed in the same direction, mechanical rpm.
 
         Raises ParameterError for a speed beyond the limits, and warns, as `start` does. Raises RefusedError
-        for a motor that was not started: use `start` with the speed.
+        for a motor that was not started, or was stopped: use `start` with the speed. A NarxWarning follows if
+        the drive is still in Standby although a start was requested.
         """
         self._check_speed(rpm, 0)
-        state = self.state
-        started = self._master.start_pending or self._master.requested in (DRIVE, REVERSE)
-        if state is State.FAULT or (state in (State.INITIALIZATION, State.STANDBY) and not started):
-            raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; call start({rpm:g}) first")
+        state, requested = self.state, self._master.requested
+        pending = self._master.start_pending
+        started = pending or requested in (DRIVE, REVERSE)
+        if state is State.FAULT or (not started and (state in RESTING or requested == STANDBY)):
+            stopped = "was stopped and " if requested == STANDBY and state not in RESTING else ""
+            raise RefusedError(f"speed {rpm:g} rpm: the drive {stopped}is in {name_of(state)}; call start({rpm:g}) first")
+        if state is State.STANDBY and not pending:
+            warn(
+                f"speed {rpm:g} rpm: the drive is in {name_of(state)}: it has not accepted the start yet, or has refused it",
+                NarxWarning,
+                stacklevel=2,
+            )
         self._master.set_speed(rpm)
         self._link.wake()
 

@@ -45,6 +45,51 @@ def test_filters_hold_without_the_clock(bus: can.BusABC) -> None:
     assert bus.recv(0.5) is None
 
 
+def test_a_listener_does_not_let_time_pass(bus: can.BusABC) -> None:
+    assert isinstance(bus, NarxBus)
+    seen: list[can.Message] = []
+    with narx.Drive(bus) as drive, can.Bus(interface="narx", channel="test_a_listener_does_not_let_time_pass", realtime=False) as other:
+        drive.start(2000)
+        notifier = can.Notifier(other, [seen.append], timeout=0.01)
+        try:
+            before = bus.time
+            # The drive would be in Fault after 1 s without a set-point.
+            time.sleep(0.2)
+            assert bus.time == before
+            drive.wait(2.0)
+            assert drive.state is narx.State.HALL_CLOSED_LOOP and not drive.faults
+        finally:
+            notifier.stop()
+        passed = [narx.decode(message) for message in seen]
+        assert {"MOTOR_CMD", "STATUS_WORD"} <= {message.name for message in passed if message is not None}
+
+
+def test_each_master_sends_while_another_one_waits() -> None:
+    options = OPTIONS | {"channel": "two masters", "realtime": False, "tx_drivers": [2]}
+    with can.Bus(interface="narx", **options) as bus, can.Bus(interface="narx", channel="two masters", realtime=False) as other:
+        with narx.Drive(bus) as drive, narx.TxDriver(other, 2) as tx:
+            drive.start(2000)
+            tx.start()
+            assert len(tx.record(5.0, period=0.01)) > 400
+            drive.wait(0.1)
+            assert drive.state is narx.State.HALL_CLOSED_LOOP and not drive.faults
+        # Without a master time passes again while anybody receives.
+        assert isinstance(other, NarxBus)
+        before = other.time
+        while other.recv(0.0) is not None:
+            pass
+        assert other.recv(1.0) is not None and other.time > before
+
+
+def test_a_drive_and_a_listener_do_not_share_a_bus(bus: can.BusABC) -> None:
+    notifier = can.Notifier(bus, [], timeout=0.01)
+    try:
+        with pytest.raises(narx.RefusedError, match="a can.Notifier reads this bus: without realtime the drive and a listener need a can.Bus each"):
+            narx.Drive(bus)
+    finally:
+        notifier.stop()
+
+
 def test_a_calibration_is_waited_for_on_a_bus_too(bus: can.BusABC) -> None:
     # On a bus the master does not know the state between a status word and the answer about the exact state.
     drive = narx.Drive(bus, read_parameters=False)

@@ -180,6 +180,17 @@ def test_a_speed_without_a_start_is_refused() -> None:
     stopped.drive.start(1200, wait=False)
     stopped.drive.set_speed(1500)
     assert stopped.run(2.0)["speed"][-1] == pytest.approx(1500, rel=0.02)
+    stopped.drive.stop()
+    with pytest.raises(narx.RefusedError, match="speed 1200 rpm: the drive was stopped and is in Hall closed loop; call start"):
+        stopped.drive.set_speed(1200)
+
+
+def test_a_speed_for_a_drive_that_has_refused_its_start_is_told() -> None:
+    refusing = bench(parameters={"Closed-loop Hall Effect Sensors enable": 0})
+    refusing.drive.start(1500, wait=False)
+    refusing.run(1.0)
+    with pytest.warns(narx.NarxWarning, match="speed 1200 rpm: the drive is in Standby: it has not accepted the start yet, or has refused it"):
+        refusing.drive.set_speed(1200)
 
 
 def test_a_fault_is_told() -> None:
