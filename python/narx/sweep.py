@@ -88,7 +88,8 @@ class Sweep:
 
     @property
     def failures(self) -> Sweep:
-        """The rows with an error, or whose motor does not run at the end."""
+        """The rows with an error, or whose motor does not run at the end, or runs at another set-point than the
+        requested one ("clamped": "setpoint" and "accepted" have both, rpm)."""
         return self.where(~np.isin(self["outcome"].astype(str), GOOD))
 
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:
@@ -156,10 +157,11 @@ def sweep(
 
     A grid alone runs the built-in experiment: power up, request `rpm`, run for `seconds` (2) from there, with
     `fault` (`fault_value`, `fault_phase`, `fault_high`) injected `fault_time` s later; a start that fails is
-    a result like any other. The grid can vary the arguments of Motor and Bench, those of Load with the prefix
+    a result like any other, and so is a set-point that the drive clamps (outcome "clamped"; "accepted" is the
+    one in use, rpm). The grid can vary the arguments of Motor and Bench, those of Load with the prefix
     `load_`, `motor` and `load` as a whole, and the drive's parameters by name or number. A function is called
-    with a `Variant` of `grid` and returns its results by name. It runs on threads, which use all cores
-    because a bench releases Python's lock.
+    with a `Variant` of `grid` and returns its results by name; an error that it raises, also SystemExit, is
+    the outcome of its row. It runs on threads, which use all cores because a bench releases Python's lock.
 
     grid: name -> value or values, of which every combination is a variant; or a list or data frame of
     variants. samples: runs of each, with seeds of their own. seed: all those seeds are derived from it; a
@@ -262,7 +264,9 @@ def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[s
     for row, (variant, result) in enumerate(zip(variants, results, strict=True)):
         named = {str(name): value for name, value in variant.point.items()}
         for name, value in (named | {"outcome": "", "error": ""} | result).items():
-            values.setdefault(name, [None] * len(variants))[row] = table.plain(value)
+            if name not in values:
+                values[name] = [None] * len(variants)
+            values[name][row] = table.plain(value)
     return columns | {name: table.column(found) for name, found in values.items() if name not in columns}
 
 

@@ -5,7 +5,7 @@ use crate::error::{self, Given};
 use crate::master;
 use crate::motor::{Load, Motor};
 use narx_host::parallel;
-use narx_sim::experiment::{FIGURES, Figures, Value};
+use narx_sim::experiment::{FIGURES, Figures, Outcome, Value};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -70,10 +70,15 @@ impl Experiment {
     }
 }
 
+/// Set-point that the drive has accepted.
+const ACCEPTED: (&str, &str) = ("accepted", "rpm");
+/// Outcome of a motor that runs at another set-point than the requested one.
+const CLAMPED: &str = "clamped";
+
 /// Name and unit of every figure of an experiment.
 #[pyfunction]
 pub(crate) fn experiment_figures() -> Vec<(&'static str, &'static str)> {
-    FIGURES.to_vec()
+    FIGURES.into_iter().chain([ACCEPTED]).collect()
 }
 
 /// Runs experiments on `threads` threads, or on every core. `tell` is called when each one ends, with its
@@ -100,13 +105,19 @@ pub(crate) fn run_experiments(
                 let run = || job.run(|| !stop.load(Ordering::Relaxed));
                 // A panic of one experiment must not end the others.
                 let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation failed".into());
-                run.and_then(|run| run.map_err(|error| error.to_string()))
+                let run = run.and_then(|run| run.map_err(|error| error.to_string()))?;
+                Ok::<_, String>(run.map(|(figures, mut session)| {
+                    let accepted = session.master().report().accepted_speed.map(|received| received.value);
+                    let accepted = accepted.filter(|_| figures.attempts > 0);
+                    (figures, accepted, job.rpm.is_some())
+                }))
             },
             |finished| {
                 outcome = Python::attach(|py| {
                     match finished {
-                        Some((index, Ok(Some((figures, _))))) => {
-                            drop(tell.call1(py, (index, dictionary(py, &figures)?))?)
+                        Some((index, Ok(Some((figures, accepted, requested))))) => {
+                            let figures = dictionary(py, &figures, accepted, requested)?;
+                            drop(tell.call1(py, (index, figures))?)
                         }
                         Some((index, Err(reason))) => drop(tell.call1(py, (index, reason))?),
                         Some((_, Ok(None))) | None => {}
@@ -120,7 +131,14 @@ pub(crate) fn run_experiments(
     outcome
 }
 
-fn dictionary<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, PyDict>> {
+/// Returns the figures by name. accepted: set-point that the drive has accepted, rpm. requested: whether the
+/// set-point is the user's.
+fn dictionary<'py>(
+    py: Python<'py>,
+    figures: &Figures,
+    accepted: Option<u16>,
+    requested: bool,
+) -> PyResult<Bound<'py, PyDict>> {
     let values = PyDict::new(py);
     for ((name, _), value) in FIGURES.iter().zip(figures.values()) {
         match value {
@@ -128,6 +146,15 @@ fn dictionary<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, Py
             Value::Number(value) => values.set_item(name, value)?,
             Value::Text(value) => values.set_item(name, value)?,
         }
+    }
+    let sign = figures.setpoint.signum();
+    let accepted = accepted.map(|accepted| sign * i32::from(accepted));
+    values.set_item(ACCEPTED.0, accepted)?;
+    if requested
+        && figures.outcome == Outcome::Running
+        && accepted.is_some_and(|speed| speed != figures.setpoint)
+    {
+        values.set_item("outcome", CLAMPED)?;
     }
     Ok(values)
 }
