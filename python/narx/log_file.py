@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from warnings import warn
 
 from narx import _core, given
 from narx.can_log import CanLog
 from narx.columns import FLAGS, LogError
-from narx.errors import ParameterError
+from narx.errors import NarxWarning, ParameterError
 
 if TYPE_CHECKING:
     import can
@@ -45,7 +46,8 @@ def read_log(
 
     slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
     with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
-    in `errors`, as is the end of a truncated file. Formats other than candump need python-can.
+    in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back: see
+    `CanLog.laps`. Formats other than candump need python-can.
     """
     path = Path(path)
     nodes = given.several("encoders", encoders)
@@ -56,10 +58,14 @@ def read_log(
         ending = packing
     if ending == ".log":
         reader.candump(contents(path, errors))
-        return CanLog(reader, errors, nodes)
-    for batch in batches(frames(path, ending, errors), errors):
-        reader.frames(batch)
-    return CanLog(reader, errors, nodes)
+    else:
+        for batch in batches(frames(path, ending, errors), errors):
+            reader.frames(batch)
+    log = CanLog(reader, errors, nodes)
+    if jumps := len(log.laps) - 1:
+        times = "once" if jumps == 1 else f"{jumps} times"
+        warn(f'the clock of "{path}" jumps back {times}: `laps` has each part', NarxWarning, stacklevel=2)
+    return log
 
 
 def contents(path: Path, errors: list[LogError]) -> bytes:
