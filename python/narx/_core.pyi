@@ -9,6 +9,8 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+__version__: str
+
 __all__ = [
     "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Ramp",
     "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",

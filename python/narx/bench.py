@@ -12,21 +12,26 @@ from narx.link import BenchLink
 from narx.trace import Trace
 
 
+SUPPLY = 48.0
+"""Supply voltage of a motor that is no preset's name, V."""
+
+
 class Bench:
     """A virtual drive with its motor on a simulated bench, commanded over its CAN bus. The same arguments and
     calls give the same bits.
 
-    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`.
-    supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
-    in their units; they override those of commissioning. ambient: degrees Celsius. seed: of all noise.
+    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. motor: a
+    `narx.Motor`, or the name of a preset. supply_voltage: V; without it a preset that is given by name has its
+    nominal one, and any other motor 48 V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
+    in their units; they override those of commissioning. ambient: -55 to 250 degrees Celsius. seed: of all noise.
     recording: without it the bench is faster, but nothing can be replayed and there is no digest. pwm_rate:
     PWM frequency, 8 000 to 50 000 Hz; every period has one control tick.
     """
 
     def __init__(
         self,
-        motor: Motor,
-        supply_voltage: float = 48.0,
+        motor: Motor | str,
+        supply_voltage: float | None = None,
         load: Load | None = None,
         mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
         parameters: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None = None,
@@ -36,8 +41,15 @@ class Bench:
         pwm_rate: int = 10_000,
     ) -> None:
         load = None if load is None else given.load(load)
-        self._bench = _core.Bench(given.motor(motor), supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
+        whole = given.motor(motor)
+        if supply_voltage is None:
+            supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
+        self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._drive = Drive(BenchLink(self._bench))
+        self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
+
+    def __repr__(self) -> str:
+        return f"<narx.Bench of {self._about}: {self._drive._described()}>"
 
     @property
     def drive(self) -> Drive:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -13,7 +14,7 @@ from warnings import warn
 from narx import _core, given
 from narx._core import State
 from narx.description import describe
-from narx.errors import NarxWarning, NoAnswerError, RefusedError, SignalError, SpeedWarning
+from narx.errors import BusError, NarxError, NarxWarning, NoAnswerError, ParameterError, RefusedError, SignalError, SpeedWarning
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -28,6 +29,8 @@ JOB_MAX = 90.0
 """Longest wait for a job, s: more than any job takes, which ends by itself."""
 
 STANDBY, DRIVE, REVERSE = 0, 1, 2
+SERIAL = ("robotell", "seeedstudio", "serial", "slcan")
+"""Interfaces that need pyserial."""
 RESTING = (None, State.INITIALIZATION, State.STANDBY)
 """States of a motor that was not started, as far as is known."""
 
@@ -379,7 +382,13 @@ class Drive:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<narx.Drive in {name_of(self.state)}>"
+        return f"<narx.Drive in {self._described()}>"
+
+    def _described(self) -> str:
+        """Returns state, speed and time in words."""
+        speed = self._master.speed
+        shown = [name_of(self.state), *([] if speed is None else [f"{speed} rpm"]), f"{self._link.now:.3f} s"]
+        return ", ".join(shown)
 
     def _request(self, what: str) -> int:
         return ask(self._link, lambda: self._master.request(what))
@@ -406,14 +415,13 @@ def connect(
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
     with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
-    available ones. Raises NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
+    available ones. Raises ParameterError for an interface that does not exist, BusError for one that cannot be
+    opened, NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
     does not wait: for a drive whose bootloader receives, which takes `update` and nothing else. A silent
     master receives frames of the drive only while another master commands it.
     """
-    import can
-
     timeout = given.timeout(timeout)
-    bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+    bus = opened(interface, channel, bitrate, options)
     try:
         drive = Drive(bus, slave, monitor, setpoint_period, silent, read_parameters)
     except BaseException:
@@ -435,6 +443,25 @@ def connect(
         drive.close(stop=False)
         raise
     return drive
+
+
+def opened(interface: str, channel: str | int | None, bitrate: int, options: dict[str, Any]) -> can.BusABC:
+    """Opens a bus. Raises ParameterError for an interface that python-can does not have, BusError for one that
+    cannot be opened, whatever its driver raises."""
+    import can
+
+    if interface not in can.VALID_INTERFACES:
+        names = ", ".join(sorted(can.VALID_INTERFACES))
+        raise ParameterError(f'there is no interface "{interface}"{suggestion(interface, can.VALID_INTERFACES)}; there are {names}')
+    try:
+        return can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+    except Exception as error:
+        if isinstance(error.__cause__, NarxError):
+            raise error.__cause__ from None
+        reason = str(error) if isinstance(error, can.CanError | OSError | ImportError) else f"{type(error).__name__}: {error}"
+        if interface in SERIAL and find_spec("serial") is None:
+            reason = "it needs pyserial: pip install 'narx[can]'"
+        raise BusError(f'interface "{interface}", channel {channel}: {reason}') from error
 
 
 def is_there(drive: Drive, silent: bool) -> bool:

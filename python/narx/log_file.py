@@ -61,10 +61,22 @@ def read_log(
     else:
         for batch in batches(frames(path, ending, errors), errors):
             reader.frames(batch)
-    log = CanLog(reader, errors, nodes)
+    return told(CanLog(reader, errors, nodes), path)
+
+
+def read_candump(text: bytes, slave: int | None, monitor: int | None, encoders: Iterable[int]) -> CanLog:
+    """Decodes a text of candump; arguments as those of `read_log`."""
+    nodes = given.several("encoders", encoders)
+    reader = _core.LogReader(slave, monitor, nodes)
+    reader.candump(text)
+    return told(CanLog(reader, (), nodes), "-")
+
+
+def told(log: CanLog, path: str | Path) -> CanLog:
+    """Returns the log; a warning says that its clock jumps back."""
     if jumps := len(log.laps) - 1:
         times = "once" if jumps == 1 else f"{jumps} times"
-        warn(f'the clock of "{path}" jumps back {times}: `laps` has each part', NarxWarning, stacklevel=2)
+        warn(f'the clock of "{path}" jumps back {times}: `laps` has each part', NarxWarning, stacklevel=3)
     return log
 
 

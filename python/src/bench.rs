@@ -229,7 +229,10 @@ pub(crate) fn config(
     let mut config = motor.session(motor::supply(supply_voltage)?, motor::mode(mode)?);
     config.load = load.map_or(config.load, Load::config);
     config.parameters = parameters.map_or_else(|| Ok(Vec::new()), numbered)?;
-    config.ambient = error::finite("ambient", ambient, "degrees Celsius")?;
+    // As the injection of the same name.
+    let ambients = Injection::KINDS.iter().find(|kind| kind.name == "ambient").and_then(|kind| kind.value);
+    let (min, max) = ambients.map_or((f64::MIN, f64::MAX), |value| (value.min, value.max));
+    config.ambient = error::within("ambient", ambient, "degrees Celsius", min, max)?;
     config.seed = error::whole("seed", seed, "", 0, u64::MAX)?;
     config.board = board(pwm_rate)?;
     Ok(config)

@@ -163,6 +163,7 @@ impl Display for Given {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Whole(value) => value.fmt(f),
+            Self::Real(value) if value.abs() >= 1e16 && value.is_finite() => write!(f, "{value:e}"),
             Self::Real(value) => value.fmt(f),
             Self::Word(word) => write!(f, "'{word}'"),
             Self::Other(shown) if shown.chars().count() > SHOWN => {

@@ -62,6 +62,7 @@ mod _core {
 
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("NodeState", crate::tx_master::states(module.py())?)?;
         module.add("Step", crate::blocks::steps(module.py())?)?;
         module.add("State", crate::state::states(module.py())?)

@@ -65,8 +65,14 @@ impl Motor {
             inductance: positive("inductance", inductance, "H")?,
             torque_constant: positive("torque_constant", torque_constant, "N m/A")?,
             inertia: positive("inertia", inertia, "kg m2")?,
-            static_friction: error::magnitude("static_friction", static_friction, "N m")?,
-            viscous_friction: error::magnitude("viscous_friction", viscous_friction, "N m s/rad")?,
+            static_friction: error::within("static_friction", static_friction, "N m", 0.0, LOAD_MAX)?,
+            viscous_friction: error::within(
+                "viscous_friction",
+                viscous_friction,
+                "N m s/rad",
+                0.0,
+                LOAD_MAX,
+            )?,
             back_emf: error::choice("back_emf", back_emf, &shapes())?,
             ..MotorConfig::default()
         };
@@ -83,6 +89,11 @@ impl Motor {
     }
 
     /// Returns a real motor by its name; `sim/src/presets/` has the source of every figure.
+    ///
+    /// There are ec45-flat-50w-18v, ec45-flat-50w-36v, ec45-flat-70w-36v, ec45-flat-70w-60v,
+    /// ec90-flat-90w-24v, ec-max40-120w-48v, ec4pole30-200w-36v, ec-i40-100w-48v, 4221g018bxth-18v,
+    /// 4221g024bxth-24v, bly172s-24v, bly171d-24v, qbl5704-36v, dma0204024b101-24v, bldc-1-25-058-201-24v,
+    /// db42m03-24v, bm-180e-24v, am8112-0f21-48v.
     #[staticmethod]
     fn preset(py: Python<'_>, name: Given) -> PyResult<Self> {
         let Given::Word(name) = &name else {
@@ -389,10 +400,13 @@ pub(crate) fn restore_motor(
     }
 }
 
+/// Largest figure of a load or a friction, in SI units: it holds every motor of this drive.
+const LOAD_MAX: f64 = 1000.0;
+
 /// A load on the shaft. All torques oppose the motion; the constant one also acts at standstill.
 ///
 /// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly
-/// coupled. Raises ParameterError for a value that is not finite, or negative.
+/// coupled. Each is 0 to 1000. Raises ParameterError for another value.
 #[pyclass(module = "narx", frozen, get_all, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Load {
@@ -413,10 +427,10 @@ impl Load {
            text_signature = "(constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0)")]
     fn new(constant: Given, viscous: Given, quadratic: Given, inertia: Given) -> PyResult<Self> {
         Ok(Self {
-            constant: error::magnitude("constant", constant, "N m")?,
-            viscous: error::magnitude("viscous", viscous, "N m s/rad")?,
-            quadratic: error::magnitude("quadratic", quadratic, "N m s2/rad2")?,
-            inertia: error::magnitude("inertia", inertia, "kg m2")?,
+            constant: error::within("constant", constant, "N m", 0.0, LOAD_MAX)?,
+            viscous: error::within("viscous", viscous, "N m s/rad", 0.0, LOAD_MAX)?,
+            quadratic: error::within("quadratic", quadratic, "N m s2/rad2", 0.0, LOAD_MAX)?,
+            inertia: error::within("inertia", inertia, "kg m2", 0.0, LOAD_MAX)?,
         })
     }
 

@@ -1,6 +1,7 @@
 """The bench: motors reach their speed, and the same call gives the same bits."""
 
 import _thread
+import importlib.metadata
 import math
 import signal
 import threading
@@ -251,3 +252,24 @@ def test_a_pwm_rate_beyond_the_board_is_refused() -> None:
     # A sector has four samples up to a speed that goes with the rate, until the voltage ends it.
     slow, fast = (motor.operating_range(18.0, pwm_rate=rate).speed_max for rate in (10_000, 20_000))
     assert fast > 1.25 * slow
+
+
+def test_a_preset_is_a_motor_by_its_name() -> None:
+    named = narx.Bench("ec45-flat-50w-18v", mode="hall")
+    assert repr(named) == "<narx.Bench of ec45-flat-50w-18v, 18 V, hall: Initialization, 0.000 s>"
+    assert repr(named.drive) == "<narx.Drive in Initialization, 0.000 s>"
+    named.drive.start(2000)
+    trace = named.run(1.0)
+    assert repr(named) == f"<narx.Bench of ec45-flat-50w-18v, 18 V, hall: Hall closed loop, 2000 rpm, {named.time:.3f} s>"
+    whole = narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"), 18.0, mode="hall")
+    whole.drive.start(2000)
+    assert whole.run(1.0).recording() == trace.recording()
+    assert "48 V" in repr(narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"))) and "24 V" in repr(narx.Bench("ec45-flat-50w-18v", 24))
+    with pytest.raises(narx.ParameterError, match='there is no preset "ec45"'):
+        narx.Bench("ec45")
+
+
+def test_the_reference_names_the_presets_and_the_package_its_version() -> None:
+    documented = narx.Motor.preset.__doc__ or ""
+    assert all(name in documented for name in narx.Motor.presets())
+    assert importlib.metadata.version("narx") == narx.__version__

@@ -206,6 +206,55 @@ def test_an_error_is_one_line_and_exit_code_2(arguments: list[str], message: str
     assert "Traceback" not in refused.stderr
 
 
+UNOPENED = [
+    (["-i", "bogus"], 'narx: there is no interface "bogus"; there are '),
+    (["-i", "slcam"], 'narx: there is no interface "slcam"; did you mean "slcan"'),
+    (["-i", "kvaser", "-c", "0"], 'narx: interface "kvaser", channel 0: '),
+    (["-i", "slcan", "-c", "/nowhere"], 'narx: interface "slcan", channel /nowhere: '),
+    (["-i", "narx", "-c", "unopened", "-o", "moter=1"], 'narx: interface "narx", channel unopened: there is no option "moter"'),
+    (["-i", "narx", "-c", "unopened", "-o", "supply_voltage=12"], "narx: supply voltage 12 V is outside 18 to 60 V"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), UNOPENED, ids=[" ".join(arguments) for arguments, _ in UNOPENED])
+def test_an_adapter_that_cannot_be_opened_is_told_in_one_line(arguments: list[str], message: str) -> None:
+    told = run(*arguments, "info", virtual=False)
+    # Drivers of python-can may print warnings of their own before.
+    assert told.returncode == 2 and told.stderr.splitlines()[-1].startswith(message), told.stderr
+    assert "Traceback" not in told.stderr
+
+
+def test_a_serial_adapter_without_pyserial_names_its_extra() -> None:
+    program = "import sys; sys.modules['serial'] = None; import narx.cli; narx.cli.main()"
+    command = [sys.executable, "-c", program, "-i", "slcan", "-c", "/nowhere", "info"]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 2 and "it needs pyserial: pip install 'narx[can]'" in told.stderr
+
+
+@pytest.mark.parametrize("command", [["decode"], ["decode", "--json"], ["decode", "--csv"]])
+def test_a_reader_that_has_enough_is_no_failure(command: list[str], tmp_path: Path) -> None:
+    file = tmp_path / "long.log"
+    file.write_text("(1.5) can0 1552A8CA#0708000100020003\n" * 20_000)
+    program = [sys.executable, "-c", "import narx.cli; narx.cli.main()", *command, str(file)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stderr is not None
+        assert process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(30) == 0 and process.stderr.read() == ""
+
+
+def test_a_log_is_read_from_the_standard_input() -> None:
+    command = [sys.executable, "-c", "import narx.cli; narx.cli.main()", "decode", "-"]
+    text = "(3.5) can0 182#00000008\n(0.5) can0 182#00000008\nno frame\n"
+    told = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+    assert told.stdout == "3.500000 <- PDO1: Node 2, Position 1 1.0 mm\n0.500000 <- PDO1: Node 2, Position 1 1.0 mm\n"
+    assert told.stderr.startswith('narx: the clock of "-" jumps back once: `laps` has each part\nnarx: -:3: ') and told.returncode == 1
+
+
+def test_the_version_is_printed() -> None:
+    assert run("--version", virtual=False).stdout == f"narx {narx.__version__}\n"
+
+
 class Served:
     """`narx bench` as a process, and the addresses at which it can be reached."""
 
