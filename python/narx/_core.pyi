@@ -15,7 +15,7 @@ __all__ = [
     "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Ramp",
     "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
     "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "number", "parameter_number",
-    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml",
+    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml", "__version__",
 ]  # fmt: skip
 
 _Given = Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None

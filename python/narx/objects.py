@@ -10,6 +10,8 @@ from narx import _core
 from narx.errors import ParameterError
 from narx.names import suggestion
 
+PROFILE = range(0x1000, 0x2000)
+"""Indices of the communication profile of CANopen (CiA 301)."""
 Key = str | int | tuple[int, int]
 """Key of an object: its name, its index, or index and subindex."""
 
@@ -97,7 +99,9 @@ class Objects(MutableMapping[Key, float]):
             raise ParameterError(f'there is no object "{key}"{suggestion(key, (row.name for row in cls.rows))}')
         parts = key if isinstance(key, tuple) else (key,)
         address = ", ".join(f"{part:04X}h" if isinstance(part, int) else repr(part) for part in parts)
-        raise ParameterError(f"there is no object {address}")
+        own = [row.index for row in cls.rows]
+        has = f"; eddyCAN has no communication profile: a TX-Driver has {min(own):04X}h to {max(own):04X}h" if parts[0] in PROFILE else ""
+        raise ParameterError(f"there is no object {address}{has}")
 
     def to_dict(self) -> dict[str, float]:
         """Returns every entry that can be read and written, by name, for `load`."""

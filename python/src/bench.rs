@@ -4,6 +4,7 @@ use crate::description;
 use crate::error::{self, Given};
 use crate::master::Master;
 use crate::motor::{self, Load, Motor};
+use crate::notes;
 use crate::session::Shared;
 use crate::trace;
 use crate::tx_driver;
@@ -67,7 +68,7 @@ impl Bench {
     /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
-        self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
+        self.0.with(py, |session| notes::notes(session.commissioning()))
     }
 
     /// Runs the simulation for `seconds`, to the nearest control tick, and keeps a row of each tick, or

@@ -13,6 +13,7 @@ mod frame;
 mod log_record;
 mod master;
 mod motor;
+mod notes;
 mod recording;
 mod server;
 mod session;

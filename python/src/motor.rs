@@ -2,6 +2,7 @@
 
 use crate::bench;
 use crate::error::{self, Given};
+use crate::notes;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters};
 use narx_sim::commissioning::{Commissioning, Mode, SUPPLY};
@@ -361,7 +362,7 @@ impl OperatingRange {
     /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.0.notes.iter().map(ToString::to_string).collect()
+        notes::notes(&self.0)
     }
 
     fn __repr__(&self) -> String {

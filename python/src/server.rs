@@ -3,6 +3,7 @@
 use crate::bench;
 use crate::error::{self, Given};
 use crate::motor::{Load, Motor};
+use crate::notes;
 use narx_host::serve::{Server as Host, Speed, call, tx_drivers};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -48,7 +49,7 @@ impl Server {
             bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         config.trace = false;
         let (mut bench, commissioning) = config.power_up().map_err(error::parameter)?;
-        let mut notes: Vec<String> = commissioning.notes.iter().map(ToString::to_string).collect();
+        let mut notes = notes::notes(&commissioning);
         if let Some(list) = tx_drivers {
             let refused = |allowed| error::parameter(format!("tx_drivers {list}: {allowed}"));
             for driver in tx_drivers::parse(list).map_err(refused)? {
