@@ -22,8 +22,9 @@ class Bench:
 
     The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. motor: a
     `narx.Motor`, or the name of a preset. supply_voltage: V; without it a preset that is given by name has its
-    nominal one, and any other motor 48 V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
-    in their units; they override those of commissioning. ambient: -55 to 250 degrees Celsius. seed: of all noise.
+    nominal one, and any other motor 48 V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive
+    by name or number, in their units; they override those of commissioning. ambient: -55 to 250 degrees
+    Celsius. seed: of all noise.
     recording: without it the bench is faster, but nothing can be replayed and there is no digest. pwm_rate:
     PWM frequency, 8 000 to 50 000 Hz; every period has one control tick.
     """

@@ -26,7 +26,8 @@ STEP = 0.1
 OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers")
 """Options of the virtual drive."""
 GENERIC = ("fd", "data_bitrate", "timing", "state", "single_handle")
-"""Options that python-can's own programs and configuration pass to every bus; they are none of the virtual drive."""
+"""Options that programs and configuration of python-can pass to every bus; the virtual drive has none of
+them."""
 
 
 Master = Callable[[float], float]
@@ -177,8 +178,8 @@ class NarxBus(can.BusABC):
             raise can.CanOperationError("the queue of frames to send is full")
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """Returns the next frame, or `None` after `timeout` s of the bus's time: by the clock with realtime, and
-        while only others let time pass."""
+        """Returns the next frame, or `None` after `timeout` s of the bus's time: by the clock with realtime,
+        and while only others let time pass."""
         masters = self._world.masters
         if self.realtime or (masters and self._client not in masters):
             return super().recv(timeout)

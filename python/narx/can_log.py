@@ -34,7 +34,8 @@ ALIASES = {
 """Names of a bench for signals that have another name in the protocol. `speed` is computed: see
 `CanLog.speed`."""
 LAP = 1.0
-"""A clock that jumps back further begins a lap, s; the stamps of several channels may be a little out of order."""
+"""A clock that jumps back further begins a lap, s. The stamps of several channels may be a little out of
+order."""
 HALL = "Hall closed loop"
 
 

@@ -354,8 +354,8 @@ class Drive:
         self._link.wait(lambda: False, given.seconds(seconds))
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was done.
-        Raises ParameterError for a time-out that is negative or NaN."""
+        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was
+        done. Raises ParameterError for a time-out that is negative or NaN."""
         return self._link.wait(done, given.timeout(timeout))
 
     def close(self, stop: bool = True) -> None:
@@ -415,8 +415,8 @@ def connect(
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
     with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
-    available ones. Raises ParameterError for an interface that does not exist, BusError for one that cannot be
-    opened, NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
+    available ones. Raises ParameterError for an interface that does not exist, BusError for one that cannot
+    be opened, NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
     does not wait: for a drive whose bootloader receives, which takes `update` and nothing else. A silent
     master receives frames of the drive only while another master commands it.
     """
@@ -446,8 +446,8 @@ def connect(
 
 
 def opened(interface: str, channel: str | int | None, bitrate: int, options: dict[str, Any]) -> can.BusABC:
-    """Opens a bus. Raises ParameterError for an interface that python-can does not have, BusError for one that
-    cannot be opened, whatever its driver raises."""
+    """Opens a bus. Raises ParameterError for an interface that python-can does not have, BusError for one
+    that cannot be opened, whatever its driver raises."""
     import can
 
     if interface not in can.VALID_INTERFACES:

@@ -46,8 +46,8 @@ def read_log(
 
     slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
     with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
-    in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back: see
-    `CanLog.laps`. Formats other than candump need python-can.
+    in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back:
+    see `CanLog.laps`. Formats other than candump need python-can.
     """
     path = Path(path)
     nodes = given.several("encoders", encoders)

@@ -88,8 +88,8 @@ class Sweep:
 
     @property
     def failures(self) -> Sweep:
-        """The rows with an error, or whose motor does not run at the end, or runs at another set-point than the
-        requested one ("clamped": "setpoint" and "accepted" have both, rpm)."""
+        """The rows with an error, or whose motor does not run at the end, or runs at another set-point than
+        the requested one ("clamped": "setpoint" and "accepted" have both, rpm)."""
         return self.where(~np.isin(self["outcome"].astype(str), GOOD))
 
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:

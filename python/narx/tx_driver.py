@@ -178,8 +178,8 @@ class TxDriver:
         """Records every position received for `seconds`: "time" (s), "position_1", "position_2" (mm),
         "encoder" (counts) and "encoder_position" (mm, of a linear encoder), arrays of shape (n,).
 
-        period: time between two SYNCs, 0.0001 to 3600 s. Without it no SYNC is sent: the node sends by itself (parameter
-        "Update Time", ms). Raises ParameterError for a time or period out of range.
+        period: time between two SYNCs, 0.0001 to 3600 s. Without it no SYNC is sent: the node sends by itself
+        (parameter "Update Time", ms). Raises ParameterError for a time or period out of range.
         """
         seconds = given.seconds(seconds)
         if period is not None:
@@ -258,8 +258,8 @@ class TxDriver:
         self._link.wait(lambda: False, given.seconds(seconds))
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was done.
-        Raises ParameterError for a time-out that is negative or NaN."""
+        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was
+        done. Raises ParameterError for a time-out that is negative or NaN."""
         return self._link.wait(done, given.timeout(timeout))
 
     def close(self) -> None:

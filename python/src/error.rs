@@ -1,5 +1,5 @@
-//! Errors of the classes in `narx.errors`, and the checks of all arguments. Every error names its subject, the value
-//! and the allowed range.
+//! Errors of the classes in `narx.errors`, and the checks of all arguments. Every error names its subject,
+//! the value and the allowed range.
 
 use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::master::{DownloadError, Refusal, UpdateError};
