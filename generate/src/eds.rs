@@ -115,9 +115,10 @@ fn header(layout: Layout) -> String {
          {rates}SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=0\nDynamicChannelsSupported=0\nGroupMessaging=0\n\
          NrOfRXPDO=0\nNrOfTXPDO=3\nLSS_Supported=0\n\n\
          [DummyUsage]\n{dummies}\n\
-         [Comments]\nLines=3\nLine1=eddyCAN has no communication profile: 1000h to 1FFFh cannot be read from the device.\n\
-         Line2=1800h to 1A02h say here what eddyCAN fixes, and 2200h to 2202h name what its PDOs carry.\n\
-         Line3=A sixth bitrate of the device, 100 kbit/s, has no key in this format.\n",
+         [Comments]\nLines=4\nLine1=eddyCAN has no communication profile: 1000h to 1FFFh cannot be read from the device.\n\
+         Line2=Instead of 1000h, 1001h, 1017h and 1018h: its node-id 2000h, errors as EMCY messages, heartbeat by bit 2 of 2004h.\n\
+         Line3=1800h to 1A02h say here what eddyCAN fixes, and 2200h to 2202h name what its PDOs carry.\n\
+         Line4=A sixth bitrate of the device, 100 kbit/s, has no key in this format.\n",
         file_name(layout)
     )
 }

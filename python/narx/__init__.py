@@ -11,7 +11,7 @@ True
 """
 
 from narx import blocks
-from narx._core import Load, Motor, NodeState, OperatingRange, State, coefficients, dbc, eds, xml
+from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
 from narx.bench import Bench
 from narx.can_log import CanLog
 from narx.columns import Frames, LogError, Series, Table
@@ -86,6 +86,7 @@ __all__ = [
     "Trigger",
     "TxDriver",
     "Variant",
+    "__version__",
     "blocks",
     "coefficients",
     "connect",

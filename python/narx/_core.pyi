@@ -9,11 +9,13 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+__version__: str
+
 __all__ = [
     "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Ramp",
     "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
-    "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "parameter_number",
-    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "xml",
+    "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "number", "parameter_number",
+    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml", "__version__",
 ]  # fmt: skip
 
 _Given = Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None
@@ -25,13 +27,13 @@ class Bench:
     def __new__(
         cls,
         motor: Motor,
-        supply_voltage: float = 48.0,
+        supply_voltage: float = ...,
         load: Load | None = None,
-        mode: str = "sensorless",
+        mode: str = ...,
         parameters: _Given = None,
-        ambient: float = 25.0,
-        seed: int = 1,
-        pwm_rate: int = 10000,
+        ambient: float = ...,
+        seed: int = ...,
+        pwm_rate: int = ...,
         recording: bool = True,
     ) -> Bench: ...
     @property
@@ -55,7 +57,7 @@ class Bench:
     @staticmethod
     def inputs() -> list[str]: ...
     def add_tx_driver(self, node_id: int, channels: int, encoder: int | None, measuring_range: float) -> None: ...
-    def tx_master(self, node_id: int, channels: int = 1, timeout: float = 0.1) -> TxMaster: ...
+    def tx_master(self, node_id: int, channels: int, timeout: float) -> TxMaster: ...
     def drop_rows(self) -> None: ...
 
 @final
@@ -63,20 +65,20 @@ class Experiment:
     def __new__(
         cls,
         motor: Motor,
-        supply_voltage: float = 48.0,
+        supply_voltage: float = ...,
         load: Load | None = None,
-        mode: str = "sensorless",
+        mode: str = ...,
         parameters: _Given = None,
-        ambient: float = 25.0,
-        seed: int = 1,
-        pwm_rate: int = 10000,
+        ambient: float = ...,
+        seed: int = ...,
+        pwm_rate: int = ...,
         rpm: float | None = None,
-        seconds: float = 2.0,
+        seconds: float = ...,
         fault: str | None = None,
         fault_value: float | None = None,
         fault_phase: str | None = None,
         fault_high: bool = False,
-        fault_time: float = 0.0,
+        fault_time: float = ...,
     ) -> Experiment: ...
     def run(self) -> tuple[_Columns, dict[str, str], bytes]: ...
 
@@ -85,15 +87,15 @@ class Server:
     def __new__(
         cls,
         motor: Motor,
-        supply_voltage: float = 48.0,
+        supply_voltage: float = ...,
         load: Load | None = None,
-        mode: str = "sensorless",
+        mode: str = ...,
         parameters: _Given = None,
-        ambient: float = 25.0,
-        seed: int = 1,
-        pwm_rate: int = 10000,
+        ambient: float = ...,
+        seed: int = ...,
+        pwm_rate: int = ...,
         tx_drivers: str | None = None,
-        speed: float = 1.0,
+        speed: float = ...,
         seconds: float | None = None,
     ) -> Server: ...
     @property
@@ -110,13 +112,13 @@ class VirtualBus:
     def __new__(
         cls,
         motor: Motor,
-        supply_voltage: float = 48.0,
+        supply_voltage: float = ...,
         load: Load | None = None,
-        mode: str = "sensorless",
+        mode: str = ...,
         parameters: _Given = None,
-        ambient: float = 25.0,
-        seed: int = 1,
-        pwm_rate: int = 10000,
+        ambient: float = ...,
+        seed: int = ...,
+        pwm_rate: int = ...,
         tx_drivers: Sequence[int] | None = None,
     ) -> VirtualBus: ...
     @property
@@ -138,12 +140,12 @@ class Description:
 class Master:
     def __new__(
         cls,
-        slave: int = 170,
-        monitor: int = 85,
-        setpoint_period: float = 0.05,
-        silent: bool = False,
-        read_parameters: bool = True,
-        timeout: float = 0.1,
+        slave: int,
+        monitor: int,
+        setpoint_period: float,
+        silent: bool,
+        read_parameters: bool,
+        timeout: float = ...,
     ) -> Master: ...
     def handle_frame(self, now: float, id: int, extended: bool, remote: bool, data: bytes) -> None: ...
     def poll_frame(self, now: float) -> _Frame | None: ...
@@ -162,8 +164,8 @@ class Master:
     def begin_record(
         self,
         job: str,
-        setup: tuple[int, float, float, float, int, int, int] = ...,
-        within: float = 0.0,
+        setup: tuple[int, float, float, float, int, int, int],
+        within: float,
     ) -> None: ...
     def poll_job(self) -> bool: ...
     def poll_record(self) -> bool: ...
@@ -225,7 +227,7 @@ class LogReader:
     def finish(self) -> tuple[dict[str, NDArray[Any]], list[str], list[_Table], list[tuple[int, str, str]], int]: ...
 @final
 class TxMaster:
-    def __new__(cls, node_id: int, channels: int = 1, timeout: float = 0.1) -> TxMaster: ...
+    def __new__(cls, node_id: int, channels: int, timeout: float) -> TxMaster: ...
     def handle_frame(self, now: float, id: int, extended: bool, remote: bool, data: bytes) -> None: ...
     def poll_frame(self, now: float) -> _Frame | None: ...
     def next_poll(self, now: float) -> float: ...
@@ -275,6 +277,9 @@ def frame_flags() -> list[tuple[str, int]]: ...
 def frame_kinds() -> tuple[int, int, int]: ...
 def experiment_figures() -> list[tuple[str, str]]: ...
 def log_records(data: bytes, size: int) -> list[tuple[int, float, list[tuple[int, int]]] | None]: ...
+def number(
+    name: str, value: float, unit: str = "", min: float | None = None, max: float | None = None
+) -> float: ...
 def parameter_number(key: str | int) -> int: ...
 def replay(
     recording: bytes, until: int | None = None
@@ -285,6 +290,7 @@ def run_experiments(
     experiments: Sequence[Experiment], tell: Callable[[int, dict[str, Any] | str], object], threads: int | None = None
 ) -> None: ...
 def tx_objects() -> list[dict[str, Any]]: ...
+def whole_number(name: str, value: float, min: int, max: int | None = None, unit: str = "") -> int: ...
 def xml() -> str: ...
 
 @final

@@ -5,28 +5,34 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-from narx import _core
+from narx import _core, given
 from narx._core import Load, Motor
 from narx.drive import Drive
 from narx.link import BenchLink
 from narx.trace import Trace
 
 
+SUPPLY = 48.0
+"""Supply voltage of a motor that is no preset's name, V."""
+
+
 class Bench:
     """A virtual drive with its motor on a simulated bench, commanded over its CAN bus. The same arguments and
     calls give the same bits.
 
-    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`.
-    supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
-    in their units; they override those of commissioning. ambient: degrees Celsius. seed: of all noise.
+    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. motor: a
+    `narx.Motor`, or the name of a preset. supply_voltage: V; without it a preset that is given by name has its
+    nominal one, and any other motor 48 V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive
+    by name or number, in their units; they override those of commissioning. ambient: -55 to 250 degrees
+    Celsius. seed: of all noise.
     recording: without it the bench is faster, but nothing can be replayed and there is no digest. pwm_rate:
     PWM frequency, 8 000 to 50 000 Hz; every period has one control tick.
     """
 
     def __init__(
         self,
-        motor: Motor,
-        supply_voltage: float = 48.0,
+        motor: Motor | str,
+        supply_voltage: float | None = None,
         load: Load | None = None,
         mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
         parameters: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None = None,
@@ -35,8 +41,16 @@ class Bench:
         recording: bool = True,
         pwm_rate: int = 10_000,
     ) -> None:
-        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
+        load = None if load is None else given.load(load)
+        whole = given.motor(motor)
+        if supply_voltage is None:
+            supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
+        self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._drive = Drive(BenchLink(self._bench))
+        self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
+
+    def __repr__(self) -> str:
+        return f"<narx.Bench of {self._about}: {self._drive._described()}>"
 
     @property
     def drive(self) -> Drive:
@@ -79,14 +93,14 @@ class Bench:
         "hall-supply-lost", "blocked-rotor", "pressure" (V behind the amplifier), "break" (the hardware's
         break input), "dsi1", "dsi2".
         """
-        self._bench.set_fault(fault.replace("_", "-"), True, value, phase, high)
+        self._bench.set_fault(str(fault).replace("_", "-"), True, value, phase, high)
 
     def clear(self, fault: str | None = None, phase: Literal["A", "B", "C"] | None = None) -> None:
         """Removes one fault of `inject`, or all faults."""
         if fault is None:
             self._bench.clear_faults()
         else:
-            self._bench.set_fault(fault.replace("_", "-"), False, None, phase, False)
+            self._bench.set_fault(str(fault).replace("_", "-"), False, None, phase, False)
 
     def add_tx_driver(
         self, node_id: int, channels: Literal[1, 2] = 1, encoder: int | None = None, measuring_range: float = 2.0
@@ -101,7 +115,7 @@ class Bench:
 
     def set_load(self, load: Load) -> None:
         """Replaces the load on the shaft."""
-        self._bench.set_load(load)
+        self._bench.set_load(given.load(load))
 
     def set_input(self, name: str, value: float) -> None:
         """Sets a slow input of the board to a value: one of `inputs`, in the unit of its measured

@@ -6,13 +6,14 @@ import itertools
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import can
 
 from narx import _core
-from narx.errors import NarxError
+from narx.errors import NarxError, RefusedError
+from narx.names import suggestion
 
 QUEUE = 100_000
 """Largest number of frames that wait for a client that does not read."""
@@ -20,6 +21,17 @@ TICK = 1e-4
 """Control tick, s: the shortest time that can be simulated."""
 STEP = 0.1
 """Simulated time between two checks for Ctrl-C, s."""
+
+
+OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers")
+"""Options of the virtual drive."""
+GENERIC = ("fd", "data_bitrate", "timing", "state", "single_handle")
+"""Options that programs and configuration of python-can pass to every bus; the virtual drive has none of
+them."""
+
+
+Master = Callable[[float], float]
+"""A master on the bus: sends the frames that are due at a time, s, and returns the time of its next one."""
 
 
 class World:
@@ -39,6 +51,7 @@ class World:
         self.bus = _core.VirtualBus(preset, **options)
         self.queues: dict[int, deque[can.Message]] = {}
         self.own: set[int] = set()
+        self.masters: dict[int, Master] = {}
         self.arrived = threading.Condition()
         self._over = threading.Event()
         self._thread: threading.Thread | None = None
@@ -63,6 +76,7 @@ class World:
         """Removes a client; the last one ends the world."""
         with self._guard:
             self.queues.pop(client, None)
+            self.masters.pop(client, None)
             if self.queues:
                 return
             self._all.pop(self.channel, None)
@@ -71,8 +85,10 @@ class World:
             self._thread.join()
 
     def advance(self, until: float, until_frame: bool = False) -> None:
-        """Simulates until the time `until`, s, or until a frame has passed if `until_frame`."""
-        passed = self.bus.advance(until, until_frame)
+        """Simulates until the time `until`, s, or until a frame has passed if `until_frame`; at most until a
+        master has a frame to send."""
+        due = min((poll(self.bus.time) for poll in list(self.masters.values())), default=until)
+        passed = self.bus.advance(min(until, max(due, self.bus.time + TICK)), until_frame)
         if not passed:
             return
         with self.arrived:
@@ -107,7 +123,9 @@ class NarxBus(can.BusABC):
     motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient, seed and
     pwm_rate are those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one
     channel and with an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the
-    clock; without it, time passes only during a call that receives, as fast as it can be simulated.
+    clock; without it, time passes only during a call that receives, as fast as it can be simulated. Once a
+    `narx.Drive` or `narx.TxDriver` is on the channel, only their calls let time pass, and the frames of each
+    are sent when they are due; any other bus receives what has passed.
     """
 
     def __init__(
@@ -121,8 +139,15 @@ class NarxBus(can.BusABC):
     ) -> None:
         if bitrate != 500_000:
             raise can.CanInitializationError(f"bitrate {bitrate}: the drive's bus has 500000")
-        known = {"motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers"}
-        options = {name: value for name, value in options.items() if name in known}
+        if options.get("fd"):
+            raise can.CanInitializationError("fd True: the drive's bus has no CAN FD")
+        for name in options:
+            if name not in (*OPTIONS, *GENERIC):
+                raise can.CanInitializationError(
+                    f'there is no option "{name}"{suggestion(name, OPTIONS)}; there are channel, can_filters, realtime, '
+                    f"receive_own_messages, bitrate, {', '.join(OPTIONS)}"
+                )
+        options = {name: value for name, value in options.items() if name in OPTIONS}
         try:
             self._world, self._client = World.join(str(channel), realtime, options)
         except NarxError as error:
@@ -153,8 +178,10 @@ class NarxBus(can.BusABC):
             raise can.CanOperationError("the queue of frames to send is full")
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """Returns the next frame, or `None` after `timeout` s of the bus's time."""
-        if self.realtime:
+        """Returns the next frame, or `None` after `timeout` s of the bus's time: by the clock with realtime,
+        and while only others let time pass."""
+        masters = self._world.masters
+        if self.realtime or (masters and self._client not in masters):
             return super().recv(timeout)
         # Own loop, because the base class measures time-outs by the clock.
         queue = self._queue()
@@ -167,6 +194,16 @@ class NarxBus(can.BusABC):
             message = queue.popleft()
             if self._matches_filters(message):
                 return message
+
+    def attach(self, master: Master) -> None:
+        """Makes this bus that of a master, whose calls let time pass. It receives the bus's frames alone."""
+        if can.Notifier.find_instances(self):
+            raise RefusedError("a can.Notifier reads this bus: without realtime the drive and a listener need a can.Bus each")
+        self._world.masters[self._client] = master
+
+    def detach(self) -> None:
+        """Removes the master."""
+        self._world.masters.pop(self._client, None)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         queue = self._queue()

@@ -33,6 +33,9 @@ ALIASES = {
 }
 """Names of a bench for signals that have another name in the protocol. `speed` is computed: see
 `CanLog.speed`."""
+LAP = 1.0
+"""A clock that jumps back further begins a lap, s. The stamps of several channels may be a little out of
+order."""
 HALL = "Hall closed loop"
 
 
@@ -55,6 +58,28 @@ class CanLog:
         self._places = {folded(name): place for place, (name, *_) in enumerate(tables)}
         self._tables: dict[int, Table] = {}
         self._encoders = frozenset(encoders)
+
+    @cached_property
+    def laps(self) -> tuple[CanLog, ...]:
+        """The parts between jumps of the log's clock back by more than a second (a logger that was restarted,
+        files that were joined), each a log of its own without `errors`; a log whose clock does not jump has
+        one."""
+        begins = np.flatnonzero(np.diff(self.frames.time) < -LAP) + 1
+        if not len(begins):
+            return (self,)
+        edges = [0, *begins.tolist(), len(self)]
+        return tuple(self._part(begin, end) for begin, end in zip(edges, edges[1:], strict=False))
+
+    def _part(self, begin: int, end: int) -> CanLog:
+        """Returns the frames from `begin` to before `end` as a log."""
+        part = CanLog.__new__(CanLog)
+        part.frames, part.errors, part.lines = self.frames[begin:end], [], 0
+        part._raw = []
+        for place, (name, from_device, time, columns) in enumerate(self._raw):
+            first, last = (int(np.count_nonzero(self.frames.message[:edge] == place)) for edge in (begin, end))
+            part._raw.append((name, from_device, time[first:last], [(signal, column[first:last]) for signal, column in columns]))
+        part._places, part._tables, part._encoders = self._places, {}, self._encoders
+        return part
 
     @cached_property
     def unknown(self) -> Frames:
@@ -171,20 +196,32 @@ class CanLog:
     def to_pandas(self, *signals: str, period: float | None = None) -> DataFrame:
         """Returns a data frame with the signals side by side, each held from one message to the next, NaN
         before its first one. Without names it has all signals that are in one message only. It has a row for
-        every time at which one of them came, or every `period` s. Raises SignalError for a name that is not a
-        signal.
+        every time at which one of them came, or every `period` s. A log with several `laps` has the rows of
+        one after those of the other, and a column "lap", from 0. Raises SignalError for a name that is not a
+        signal, ParameterError for a period that is not at least a microsecond.
         """
-        from pandas import DataFrame
+        from pandas import DataFrame, concat
 
+        if period is not None:
+            period = _core.number("period", period, "s", 1e-6)
         chosen = {name: self[name] for name in signals} if signals else self._all()
         for name, series in chosen.items():
             if not isinstance(series, Series):
                 raise SignalError(f'"{name}" is a message: its table has a to_pandas of its own')
-        times = [series.time for series in chosen.values()]
-        time = np.unique(np.concatenate(times)) if times else np.zeros(0)
-        if period is not None and len(time):
-            time = np.arange(time[0], time[-1] + period / 2, period)
-        return DataFrame({"time": time} | {name: series.at(time) for name, series in chosen.items()})
+        if len(self.laps) == 1:
+            return DataFrame(held(chosen, period))
+        parts = [DataFrame({"lap": number} | held(lap._those_of(chosen), period)) for number, lap in enumerate(self.laps)]
+        return concat(parts, ignore_index=True)[["time", "lap", *chosen]]
+
+    def _those_of(self, chosen: Mapping[str, Series]) -> dict[str, Series]:
+        """Returns the signals of a lap; one that did not come in it has no value."""
+        found = {}
+        for name, series in chosen.items():
+            try:
+                found[name] = self[name]
+            except SignalError:
+                found[name] = Series(name, series.unit, np.zeros(0), np.zeros(0), series.names)
+        return found
 
     def save(self, path: str | PathLike[str], *signals: str, period: float | None = None) -> None:
         """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`. period: s. Raises ParameterError
@@ -234,6 +271,15 @@ class CanLog:
         answers = self.table("PARAMETER")
         answers = answers.select((answers["Number"] == number) & (answers["Status"] == 0))
         return Series(name, unit, answers.time, answers["Value"], {})
+
+
+def held(chosen: Mapping[str, Series], period: float | None) -> dict[str, NDArray[Any]]:
+    """Returns columns with the signals side by side, each held from one value to the next."""
+    times = [series.time for series in chosen.values()]
+    time = np.unique(np.concatenate(times)) if times else np.zeros(0)
+    if period is not None and len(time):
+        time = np.arange(time[0], time[-1] + period / 2, period)
+    return {"time": time} | {name: series.at(time) for name, series in chosen.items()}
 
 
 def table_of(

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 from warnings import warn
 
-from narx import _core
+from narx import _core, given
 from narx._core import State
 from narx.description import describe
-from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning
+from narx.errors import BusError, NarxError, NarxWarning, NoAnswerError, ParameterError, RefusedError, SignalError, SpeedWarning
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -27,7 +28,11 @@ if TYPE_CHECKING:
 JOB_MAX = 90.0
 """Longest wait for a job, s: more than any job takes, which ends by itself."""
 
-DRIVE, REVERSE = 1, 2
+STANDBY, DRIVE, REVERSE = 0, 1, 2
+SERIAL = ("robotell", "seeedstudio", "serial", "slcan")
+"""Interfaces that need pyserial."""
+RESTING = (None, State.INITIALIZATION, State.STANDBY)
+"""States of a motor that was not started, as far as is known."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +69,11 @@ class Measurements(Mapping[str, float]):
         """Returns the measurement with its unit and time. Raises SignalError for one that does not exist, or
         was not received yet."""
         folded = {known.casefold(): known for known in self._known}
+        wanted = str(name).casefold()
         try:
-            return self._known[folded[name.casefold()]]
+            return self._known[folded[wanted]]
         except KeyError:
-            if name.casefold() in (known.casefold() for known in self._names):
+            if wanted in (known.casefold() for known in self._names):
                 raise SignalError(f'measurement "{name}" was not received yet') from None
             raise SignalError(f'there is no measurement "{name}"{suggestion(name, self._names)}') from None
 
@@ -156,13 +162,22 @@ class Drive:
         """Requests another speed in the same direction, mechanical rpm.
 
         Raises ParameterError for a speed beyond the limits, and warns, as `start` does. Raises RefusedError
-        for a motor that was not started: use `start` with the speed.
+        for a motor that was not started, or was stopped: use `start` with the speed. A NarxWarning follows if
+        the drive is still in Standby although a start was requested.
         """
         self._check_speed(rpm, 0)
-        state = self.state
-        started = self._master.start_pending or self._master.requested in (DRIVE, REVERSE)
-        if state is State.FAULT or (state in (State.INITIALIZATION, State.STANDBY) and not started):
-            raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; call start({rpm:g}) first")
+        state, requested = self.state, self._master.requested
+        pending = self._master.start_pending
+        started = pending or requested in (DRIVE, REVERSE)
+        if state is State.FAULT or (not started and (state in RESTING or requested == STANDBY)):
+            stopped = "was stopped and " if requested == STANDBY and state not in RESTING else ""
+            raise RefusedError(f"speed {rpm:g} rpm: the drive {stopped}is in {name_of(state)}; call start({rpm:g}) first")
+        if state is State.STANDBY and not pending:
+            warn(
+                f"speed {rpm:g} rpm: the drive is in {name_of(state)}: it has not accepted the start yet, or has refused it",
+                NarxWarning,
+                stacklevel=2,
+            )
         self._master.set_speed(rpm)
         self._link.wake()
 
@@ -334,12 +349,14 @@ class Drive:
         self._request("auto-calibrate")
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass, s: simulated time on a bench, else real time."""
-        self._link.wait(lambda: False, seconds)
+        """Lets time pass, s: simulated time on a bench, else real time. Raises ParameterError for a time that
+        is negative or not finite."""
+        self._link.wait(lambda: False, given.seconds(seconds))
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
-        return self._link.wait(done, timeout)
+        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was
+        done. Raises ParameterError for a time-out that is negative or NaN."""
+        return self._link.wait(done, given.timeout(timeout))
 
     def close(self, stop: bool = True) -> None:
         """Stops the motor, unless `stop` is false, and releases the bus. A second call does nothing."""
@@ -365,7 +382,13 @@ class Drive:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<narx.Drive in {name_of(self.state)}>"
+        return f"<narx.Drive in {self._described()}>"
+
+    def _described(self) -> str:
+        """Returns state, speed and time in words."""
+        speed = self._master.speed
+        shown = [name_of(self.state), *([] if speed is None else [f"{speed} rpm"]), f"{self._link.now:.3f} s"]
+        return ", ".join(shown)
 
     def _request(self, what: str) -> int:
         return ask(self._link, lambda: self._master.request(what))
@@ -392,13 +415,13 @@ def connect(
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
     with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
-    available ones. Raises NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
+    available ones. Raises ParameterError for an interface that does not exist, BusError for one that cannot
+    be opened, NoAnswerError when nothing is received of the drive within `timeout` s. With 0 it
     does not wait: for a drive whose bootloader receives, which takes `update` and nothing else. A silent
     master receives frames of the drive only while another master commands it.
     """
-    import can
-
-    bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+    timeout = given.timeout(timeout)
+    bus = opened(interface, channel, bitrate, options)
     try:
         drive = Drive(bus, slave, monitor, setpoint_period, silent, read_parameters)
     except BaseException:
@@ -420,6 +443,25 @@ def connect(
         drive.close(stop=False)
         raise
     return drive
+
+
+def opened(interface: str, channel: str | int | None, bitrate: int, options: dict[str, Any]) -> can.BusABC:
+    """Opens a bus. Raises ParameterError for an interface that python-can does not have, BusError for one
+    that cannot be opened, whatever its driver raises."""
+    import can
+
+    if interface not in can.VALID_INTERFACES:
+        names = ", ".join(sorted(can.VALID_INTERFACES))
+        raise ParameterError(f'there is no interface "{interface}"{suggestion(interface, can.VALID_INTERFACES)}; there are {names}')
+    try:
+        return can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+    except Exception as error:
+        if isinstance(error.__cause__, NarxError):
+            raise error.__cause__ from None
+        reason = str(error) if isinstance(error, can.CanError | OSError | ImportError) else f"{type(error).__name__}: {error}"
+        if interface in SERIAL and find_spec("serial") is None:
+            reason = "it needs pyserial: pip install 'narx[can]'"
+        raise BusError(f'interface "{interface}", channel {channel}: {reason}') from error
 
 
 def is_there(drive: Drive, silent: bool) -> bool:

@@ -191,10 +191,21 @@ class SteppedLink(Link):
     def __init__(self, bus: Any, master: _core.Master) -> None:
         super().__init__(master)
         self._bus = bus
+        if hasattr(bus, "attach"):
+            bus.attach(self.poll)
 
     @property
     def now(self) -> float:
         return float(self._bus.time)
+
+    def poll(self, now: float) -> float:
+        """Sends the frames that are due; returns the time of the next one."""
+        send_due(self.master, self._bus, now)
+        return self.master.next_poll(now)
+
+    def close(self) -> None:
+        if hasattr(self._bus, "detach"):
+            self._bus.detach()
 
     def wait(self, done: Callable[[], bool], timeout: float) -> bool:
         end = self.now + timeout
@@ -202,8 +213,7 @@ class SteppedLink(Link):
             now = self.now
             if now >= end:
                 return False
-            send_due(self.master, self._bus, now)
-            due = min(self.master.next_poll(now) - now, end - now, 0.01)
+            due = min(self.poll(now) - now, end - now, 0.01)
             message = self._bus.recv(max(due, 0.0005))
             if message is not None:
                 handle(self.master, message, self.now)

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from narx import _core
+from narx import _core, given
 from narx.description import Description, describe
 from narx.download import download
 from narx.errors import ParameterError
@@ -42,7 +42,7 @@ class Names:
     def number(self, name: str) -> int:
         """Returns the number of a name in a slot; case does not matter."""
         try:
-            return self.what[self._folded[name.casefold()]][0]
+            return self.what[self._folded[str(name).casefold()]][0]
         except KeyError:
             raise ParameterError(f'there is no parameter or measurement "{name}"{suggestion(name, self.what)}') from None
 
@@ -104,7 +104,8 @@ class Log:
         the drive has these settings; `parameters.store` stores them. Raises ParameterError for an unknown
         name, too many names or a period out of range.
         """
-        chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(values, "live")
+        chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(given.several("values", values), "live")
+        period = _core.number("period", period, "s", 0.001, 3600)
         slots = [self._names.number(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
         count = SLOT_LAST + 1 - SLOT_FIRST
         if len(slots) > count:
@@ -127,8 +128,9 @@ class Log:
         that the log does not have.
         """
         last = len(self)
-        count = max(last - first, 0) if count is None else count
-        if first < 0 or count < 0 or first + count > last:
+        first = _core.whole_number("first", first, 0)
+        count = max(last - first, 0) if count is None else _core.whole_number("count", count, 0)
+        if first + count > last:
             raise ParameterError(f"records {first} to {first + count}: the log has {last} records")
         if count == 0:
             return table([], self._names)

@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from warnings import warn
 
-from narx import _core
+from narx import _core, given
 from narx.can_log import CanLog
 from narx.columns import FLAGS, LogError
-from narx.errors import ParameterError
+from narx.errors import NarxWarning, ParameterError
 
 if TYPE_CHECKING:
     import can
@@ -45,10 +46,11 @@ def read_log(
 
     slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
     with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
-    in `errors`, as is the end of a truncated file. Formats other than candump need python-can.
+    in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back:
+    see `CanLog.laps`. Formats other than candump need python-can.
     """
     path = Path(path)
-    nodes = list(encoders)
+    nodes = given.several("encoders", encoders)
     reader = _core.LogReader(slave, monitor, nodes)
     errors: list[LogError] = []
     *_, ending, packing = ["", "", *(suffix.lower() for suffix in path.suffixes)]
@@ -56,10 +58,26 @@ def read_log(
         ending = packing
     if ending == ".log":
         reader.candump(contents(path, errors))
-        return CanLog(reader, errors, nodes)
-    for batch in batches(frames(path, ending, errors), errors):
-        reader.frames(batch)
-    return CanLog(reader, errors, nodes)
+    else:
+        for batch in batches(frames(path, ending, errors), errors):
+            reader.frames(batch)
+    return told(CanLog(reader, errors, nodes), path)
+
+
+def read_candump(text: bytes, slave: int | None, monitor: int | None, encoders: Iterable[int]) -> CanLog:
+    """Decodes a text of candump; arguments as those of `read_log`."""
+    nodes = given.several("encoders", encoders)
+    reader = _core.LogReader(slave, monitor, nodes)
+    reader.candump(text)
+    return told(CanLog(reader, (), nodes), "-")
+
+
+def told(log: CanLog, path: str | Path) -> CanLog:
+    """Returns the log; a warning says that its clock jumps back."""
+    if jumps := len(log.laps) - 1:
+        times = "once" if jumps == 1 else f"{jumps} times"
+        warn(f'the clock of "{path}" jumps back {times}: `laps` has each part', NarxWarning, stacklevel=3)
+    return log
 
 
 def contents(path: Path, errors: list[LogError]) -> bytes:
@@ -236,7 +254,7 @@ def batches(found: Iterator[Found], errors: list[LogError]) -> Iterator[list[Giv
         if reason:
             errors.append(LogError(line, text.strip()[:TOLD], reason))
             continue
-        batch.append(given(message))
+        batch.append(parts(message))
         if len(batch) == BATCH:
             yield batch
             batch = []
@@ -258,7 +276,7 @@ def flaw(message: Any) -> str | None:
     return None
 
 
-def given(message: can.Message) -> Given:
+def parts(message: can.Message) -> Given:
     """Converts a message for the core's reader."""
     flags = (
         FLAGS["extended"] * message.is_extended_id

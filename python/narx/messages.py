@@ -59,6 +59,8 @@ class NodeMessage:
 
 STANDARD_MAX = 0x7FF
 """Largest identifier of 11 bits."""
+EXTENDED_MAX = 0x1FFF_FFFF
+"""Largest identifier of 29 bits."""
 
 
 def decode(
@@ -78,9 +80,14 @@ def decode(
     ParameterError for an identifier without data.
     """
     if isinstance(message, int):
+        number = _core.whole_number("identifier", message, 0, EXTENDED_MAX)
         if data is None:
-            raise ParameterError(f"identifier {message:#x}: its data is missing")
-        return decode_parts(message, message > STANDARD_MAX if extended is None else extended, False, bytes(data), encoder)
+            raise ParameterError(f"identifier {number:#x}: its data is missing")
+        if not isinstance(data, bytes | bytearray | memoryview):
+            raise ParameterError(f"identifier {number:#x}: its data {data!r} must be bytes")
+        return decode_parts(number, number > STANDARD_MAX if extended is None else extended, False, bytes(data), encoder)
+    if not hasattr(message, "arbitration_id"):
+        raise ParameterError(f"message {message!r}: must be a can.Message, or an identifier with its data")
     if message.is_error_frame or message.is_fd:
         return None
     payload = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)

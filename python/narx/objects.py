@@ -10,6 +10,8 @@ from narx import _core
 from narx.errors import ParameterError
 from narx.names import suggestion
 
+PROFILE = range(0x1000, 0x2000)
+"""Indices of the communication profile of CANopen (CiA 301)."""
 Key = str | int | tuple[int, int]
 """Key of an object: its name, its index, or index and subindex."""
 
@@ -40,16 +42,10 @@ class Object:
     def raw(self, value: float) -> int:
         """Returns the raw value that is nearest to `value` in the entry's unit. Raises ParameterError outside
         of the range."""
-        unit = f" {self.unit}" if self.unit else ""
-        try:
-            fits = self.min <= value <= self.max
-        except TypeError:
-            fits = False
-        if not fits or (self.scale == 1.0 and int(value) != value):
-            kind = "a whole number " if self.scale == 1.0 else ""
-            name = f'object {self.index:04X}h "{self.name}"'
-            raise ParameterError(f"{name} {value!r}: must be {kind}from {self.min:g} to {self.max:g}{unit}")
-        return round(value / self.scale)
+        name = f'object {self.index:04X}h "{self.name}"'
+        if self.scale == 1.0:
+            return _core.whole_number(name, value, int(self.min), int(self.max), self.unit)
+        return round(_core.number(name, value, self.unit, self.min, self.max) / self.scale)
 
 
 class Objects(MutableMapping[Key, float]):
@@ -101,8 +97,11 @@ class Objects(MutableMapping[Key, float]):
                 return row
         if isinstance(key, str):
             raise ParameterError(f'there is no object "{key}"{suggestion(key, (row.name for row in cls.rows))}')
-        address = ", ".join(f"{part:04X}h" for part in ((key,) if isinstance(key, int) else key))
-        raise ParameterError(f"there is no object {address}")
+        parts = key if isinstance(key, tuple) else (key,)
+        address = ", ".join(f"{part:04X}h" if isinstance(part, int) else repr(part) for part in parts)
+        own = [row.index for row in cls.rows]
+        has = f"; eddyCAN has no communication profile: a TX-Driver has {min(own):04X}h to {max(own):04X}h" if parts[0] in PROFILE else ""
+        raise ParameterError(f"there is no object {address}{has}")
 
     def to_dict(self) -> dict[str, float]:
         """Returns every entry that can be read and written, by name, for `load`."""

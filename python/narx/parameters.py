@@ -78,7 +78,7 @@ class Parameters(MutableMapping[str | int, float]):
     def find(self, text: str) -> list[Row]:
         """Returns the parameters whose name, category or description contains the text; case does not
         matter."""
-        folded = text.casefold()
+        folded = str(text).casefold()
         return [row for row in self.rows.values() if folded in f"{row.name} {row.category} {row.description}".casefold()]
 
     def to_dict(self) -> dict[str, float]:
@@ -88,6 +88,8 @@ class Parameters(MutableMapping[str | int, float]):
     def load(self, values: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float]) -> list[str]:
         """Writes the values that differ from the drive's; returns their names. All values are checked before
         the first is written. The device number is not written (use `store_once`)."""
+        if not isinstance(values, Mapping):
+            raise ParameterError(f"values {values!r}: must be a mapping of names to values")
         table = self._table
         wanted = {table.number(key): value for key, value in values.items()}
         raw = {number: table.to_raw(number, value) for number, value in wanted.items()}
@@ -107,15 +109,7 @@ class Parameters(MutableMapping[str | int, float]):
 
     def load_file(self, path: str | PathLike[str]) -> list[str]:
         """Loads a file of `save`; returns the names of the parameters that have changed."""
-        import json
-
-        try:
-            values = json.loads(Path(path).read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise ParameterError(f'file "{path}" is not a parameter file: {error}') from None
-        if not isinstance(values, dict):
-            raise ParameterError(f'file "{path}" is not a parameter file: it must contain one object of names and values')
-        return self.load(values)
+        return self.load(read_file(path))
 
     def diff(self, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Compares the drive with `values`; returns the differences: name -> (value there, value on the
@@ -153,3 +147,16 @@ class Parameters(MutableMapping[str | int, float]):
     def _differs(self, number: int, pair: tuple[float, float]) -> bool:
         left, right = pair
         return self._table.to_raw(number, left) != self._table.to_raw(number, right)
+
+
+def read_file(path: str | PathLike[str]) -> dict[str, float]:
+    """Returns the names and values of a file of `Parameters.save`."""
+    import json
+
+    try:
+        values = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ParameterError(f'file "{path}" is not a parameter file: {error}') from None
+    if not isinstance(values, dict):
+        raise ParameterError(f'file "{path}" is not a parameter file: it must contain one object of names and values')
+    return values

@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from narx import _core
+from narx import _core, given
 from narx.description import describe
 from narx.download import download
 from narx.errors import ParameterError, RefusedError, SignalError
@@ -146,7 +146,7 @@ class Scope:
 
     def _channels(self, signals: Iterable[str]) -> int:
         """Returns the sum of the signals' bits."""
-        bits = {self._signals[known(name, self._signals)][0] for name in signals}
+        bits = {self._signals[known(name, self._signals)][0] for name in given.several("signals", signals)}
         if not bits:
             raise ParameterError("signals: must name at least one signal")
         return sum(1 << bit for bit in bits)
@@ -158,7 +158,7 @@ class Scope:
         bit, level = 0, 0
         if trigger.signal is not None:
             bit, _, base = self._signals[known(trigger.signal, self._signals)]
-            level = to_raw(TRIGGER_LEVEL, trigger.value / base)
+            level = to_raw(TRIGGER_LEVEL, _core.number("trigger value", trigger.value) / base)
         return channels, samples, prescaler, before, to_raw(TRIGGER, trigger.kind), bit, level
 
     def force(self) -> None:
@@ -242,6 +242,6 @@ def known(name: str, signals: Iterable[str]) -> str:
     """Returns the published name of a signal; case does not matter."""
     folded = {signal.casefold(): signal for signal in signals}
     try:
-        return folded[name.casefold()]
+        return folded[str(name).casefold()]
     except KeyError:
         raise SignalError(f'there is no scope signal "{name}"{suggestion(name, folded.values())}') from None

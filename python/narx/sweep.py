@@ -88,15 +88,19 @@ class Sweep:
 
     @property
     def failures(self) -> Sweep:
-        """The rows with an error, or whose motor does not run at the end."""
+        """The rows with an error, or whose motor does not run at the end, or runs at another set-point than
+        the requested one ("clamped": "setpoint" and "accepted" have both, rpm)."""
         return self.where(~np.isin(self["outcome"].astype(str), GOOD))
 
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:
         """Selects the rows where a mask of shape (rows,) is true: `sweep.where(sweep["ripple"] > 0.05)`.
         Raises ParameterError for a mask of another length."""
-        if len(chosen) != len(self):
-            raise ParameterError(f"a mask of {len(chosen)} values for {len(self)} rows")
-        rows = np.flatnonzero(chosen)
+        mask = np.asarray(chosen)
+        if mask.dtype != bool or mask.ndim != 1:
+            raise ParameterError(f"mask {chosen!r}: must be an array of bool")
+        if len(mask) != len(self):
+            raise ParameterError(f"a mask of {len(mask)} values for {len(self)} rows")
+        rows = np.flatnonzero(mask)
         return Sweep(
             self._task, [self._variants[row] for row in rows], [self._results[row] for row in rows], self.interrupted
         )
@@ -153,10 +157,11 @@ def sweep(
 
     A grid alone runs the built-in experiment: power up, request `rpm`, run for `seconds` (2) from there, with
     `fault` (`fault_value`, `fault_phase`, `fault_high`) injected `fault_time` s later; a start that fails is
-    a result like any other. The grid can vary the arguments of Motor and Bench, those of Load with the prefix
+    a result like any other, and so is a set-point that the drive clamps (outcome "clamped"; "accepted" is the
+    one in use, rpm). The grid can vary the arguments of Motor and Bench, those of Load with the prefix
     `load_`, `motor` and `load` as a whole, and the drive's parameters by name or number. A function is called
-    with a `Variant` of `grid` and returns its results by name. It runs on threads, which use all cores
-    because a bench releases Python's lock.
+    with a `Variant` of `grid` and returns its results by name; an error that it raises, also SystemExit, is
+    the outcome of its row. It runs on threads, which use all cores because a bench releases Python's lock.
 
     grid: name -> value or values, of which every combination is a variant; or a list or data frame of
     variants. samples: runs of each, with seeds of their own. seed: all those seeds are derived from it; a
@@ -174,8 +179,8 @@ def sweep(
         raise ParameterError("grid: only together with a function; otherwise pass the grid as the first argument")
     else:
         task, chosen = Start(), function_or_grid
-    if chunk is not None and chunk < 1:
-        raise ParameterError(f"chunk {chunk}: must be a whole number, 1 or more")
+    if chunk is not None:
+        chunk = _core.whole_number("chunk", chunk, 1)
     variants = expand(chosen, samples, seed)
     if isinstance(task, Start):
         check(variants)
@@ -259,7 +264,9 @@ def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[s
     for row, (variant, result) in enumerate(zip(variants, results, strict=True)):
         named = {str(name): value for name, value in variant.point.items()}
         for name, value in (named | {"outcome": "", "error": ""} | result).items():
-            values.setdefault(name, [None] * len(variants))[row] = table.plain(value)
+            if name not in values:
+                values[name] = [None] * len(variants)
+            values[name][row] = table.plain(value)
     return columns | {name: table.column(found) for name, found in values.items() if name not in columns}
 
 

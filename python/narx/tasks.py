@@ -67,7 +67,7 @@ class Call:
     def call(self, variant: Variant) -> Result:
         try:
             found = self.function(variant)
-        except Exception as error:  # A variant that fails must not end the others.
+        except (Exception, SystemExit) as error:  # A variant that fails must not end the others.
             return failure(error)
         named = found if isinstance(found, Mapping) else {} if found is None else {"result": found}
         return {"outcome": "ok"} | dict(named)

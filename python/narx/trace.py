@@ -44,7 +44,7 @@ class Trace:
     def __getitem__(self, signal: str) -> NDArray[np.float32 | np.float64]:
         try:
             return self._columns[signal]
-        except KeyError:
+        except (KeyError, TypeError):
             hint = suggestion(signal, self._columns)
             names = ", ".join(self._columns)
             raise SignalError(f'there is no signal "{signal}"{hint}; there are {names}') from None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self, cast
 
-from narx import _core
+from narx import _core, given
 from narx._core import NodeState
 from narx.bench import Bench
 from narx.errors import AbortError, NoAnswerError, ParameterError
@@ -22,6 +22,8 @@ BITRATES = (50_000, 100_000, 250_000, 500_000, 1_000_000)
 """Bit rates by their index in 2001h (Table 6), bit/s."""
 ANSWER = 1.0
 """Longest wait for requested positions, s."""
+SYNC_MIN, SYNC_MAX = 1e-4, 3600.0
+"""Limits of the time between two SYNCs, s."""
 RESTART = 3.0
 """Longest wait for the boot-up after a reset, s."""
 ENCODER = ("Basic Config Register", "Encoder Resolution")
@@ -176,11 +178,12 @@ class TxDriver:
         """Records every position received for `seconds`: "time" (s), "position_1", "position_2" (mm),
         "encoder" (counts) and "encoder_position" (mm, of a linear encoder), arrays of shape (n,).
 
-        period: time between two SYNCs, s. Without it no SYNC is sent: the node sends by itself (parameter
-        "Update Time", ms).
+        period: time between two SYNCs, 0.0001 to 3600 s. Without it no SYNC is sent: the node sends by itself
+        (parameter "Update Time", ms). Raises ParameterError for a time or period out of range.
         """
-        if period is not None and period <= 0.0:
-            raise ParameterError(f"period {period} s: must be above 0")
+        seconds = given.seconds(seconds)
+        if period is not None:
+            period = _core.number("period", period, "s", SYNC_MIN, SYNC_MAX)
         self._master.keep(True)
         try:
             end = self._link.now + seconds
@@ -204,7 +207,7 @@ class TxDriver:
 
     @comparators.setter
     def comparators(self, fractions: tuple[float, float]) -> None:
-        first, second = fractions
+        first, second = given.several("comparators", fractions)
         # `load` checks both before it writes the first.
         self.parameters.load({"Comparator 1": first, "Comparator 2": second})
 
@@ -245,17 +248,19 @@ class TxDriver:
     def set_bitrate(self, bitrate: int) -> None:
         """Gives the node another bit rate, bit/s: 50, 100, 250, 500 or 1000 kbit/s. It takes effect after a
         `reset`. This bus keeps its own bit rate, so the node must then be accessed through another one."""
-        if bitrate not in BITRATES:
+        if bitrate not in BITRATES or isinstance(bitrate, bool):
             raise ParameterError(f"bitrate {bitrate} bit/s: must be one of {', '.join(map(str, BITRATES))}")
         self.parameters["Bitrate Index"] = BITRATES.index(bitrate)
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass, s: simulated time on a bench, else real time."""
-        self._link.wait(lambda: False, seconds)
+        """Lets time pass, s: simulated time on a bench, else real time. Raises ParameterError for a time that
+        is negative or not finite."""
+        self._link.wait(lambda: False, given.seconds(seconds))
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
-        return self._link.wait(done, timeout)
+        """Lets time pass until `done`, at most `timeout` s, which may be infinite; returns whether it was
+        done. Raises ParameterError for a time-out that is negative or NaN."""
+        return self._link.wait(done, given.timeout(timeout))
 
     def close(self) -> None:
         """Releases the bus; the node stays in its state. A second call does nothing."""

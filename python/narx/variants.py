@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import inspect
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 import numpy as np
 
-from narx import _core
+from narx import _core, given
 from narx._core import Load, Motor
 from narx.bench import Bench
 from narx.errors import ParameterError, SignalError
@@ -32,6 +33,10 @@ def arguments_of(call: Any) -> tuple[str, ...]:
     return tuple(inspect.signature(call).parameters)
 
 
+VARIANTS_MAX = 10_000_000
+"""Largest number of variants: their table takes some 10 GB."""
+SEED_MAX = 2**64 - 1
+"""Largest seed."""
 WHOLE = ("motor", "load", "parameters")
 """Arguments of a bench that are built from several names of a grid."""
 MOTOR = arguments_of(Motor)
@@ -79,13 +84,12 @@ class Variant(Mapping[str | int, Any]):
 
 
 def expand(grid: Grid, samples: int, seed: int) -> list[Variant]:
-    """Returns the variants of a grid, each `samples` times. A value that is None or NaN counts as not
-    given."""
-    if samples < 1:
-        raise ParameterError(f"samples {samples}: must be a whole number, 1 or more")
-    if seed < 0:
-        raise ParameterError(f"seed {seed}: must be a whole number, 0 or more")
-    points = itertools.chain.from_iterable(itertools.repeat(point, samples) for point in points_of(grid))
+    """Returns the variants of a grid, each `samples` times. A value that is None counts as not given, and so
+    does NaN in a list of variants, as a table has it. Raises ParameterError for NaN among the values of a
+    name, and for more than `VARIANTS_MAX` variants."""
+    samples = _core.whole_number("samples", samples, 1)
+    seed = _core.whole_number("seed", seed, 0, SEED_MAX)
+    points = itertools.chain.from_iterable(itertools.repeat(point, samples) for point in points_of(grid, samples))
     variants = [variant(index, point, seed) for index, point in enumerate(points)]
     if not variants:
         raise ParameterError("the grid has no variant")
@@ -100,35 +104,50 @@ def variant(index: int, point: Mapping[str | int, Any], seed: int) -> Variant:
     if own is None:
         # 15 digits are exact in every table format and in other programs.
         own = int(np.random.SeedSequence([seed, index]).generate_state(1, np.uint64)[0]) >> 16
-    return Variant(index, int(own), values)
+    return Variant(index, _core.whole_number("seed", own, 0, SEED_MAX), values)
 
 
-def points_of(grid: Grid) -> Iterable[dict[str | int, Any]]:
+def points_of(grid: Grid, samples: int = 1) -> Iterable[dict[str | int, Any]]:
     """Returns every combination of the grid's values, or the listed variants."""
     if isinstance(grid, Mapping):
         axes = {name: axis(name, values) for name, values in grid.items()}
-        return (given(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values()))
-    listed = grid.to_dict("records") if hasattr(grid, "to_dict") else grid
+        limit(math.prod(map(len, axes.values())) * samples)
+        return (plain(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values()))
+    listed = grid.to_dict("records") if hasattr(grid, "to_dict") else given.several("grid", grid)
+    limit(len(listed) * samples)
     for row in listed:
         if not isinstance(row, Mapping):
             raise ParameterError(f"variant {row!r}: must be a mapping of names to values")
-    return (given(dict(row)) for row in listed)
+    return (plain(dict(row)) for row in listed)
 
 
 def axis(name: str | int, values: Any) -> list[Any]:
     """Returns the values of a name: several if `values` can be iterated, else one."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        return [values]
-    found = list(values)
+        values = [values]
+    found = list(itertools.islice(values, VARIANTS_MAX + 1))
     if not found:
         raise ParameterError(f'"{name}" has no values to vary')
+    if any(is_nan(value) for value in found):
+        raise ParameterError(f'"{name}" nan: must not be NaN; None is a value that is not given')
     return found
 
 
-def given(point: dict[Any, Any]) -> dict[str | int, Any]:
+def limit(count: int) -> None:
+    """Raises ParameterError for more variants than fit in memory."""
+    if count > VARIANTS_MAX:
+        raise ParameterError(f"{count} variants: must be at most {VARIANTS_MAX}")
+
+
+def is_nan(value: Any) -> bool:
+    """Returns whether a value is a number that is none."""
+    return isinstance(value, float | np.floating) and bool(np.isnan(value))
+
+
+def plain(point: dict[Any, Any]) -> dict[str | int, Any]:
     """Removes values that are not given, and converts numbers of numpy to Python's own."""
-    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in point.items()}
-    return {name: value for name, value in plain.items() if value is not None and value == value}  # noqa: PLR0124
+    own = {name: value.item() if isinstance(value, np.generic) else value for name, value in point.items()}
+    return {name: value for name, value in own.items() if value is not None and not is_nan(value)}
 
 
 def is_known(name: str | int, own: Sequence[str]) -> bool:
@@ -169,12 +188,14 @@ def motor_of(motor: Motor | str | None, changes: Mapping[str, Any]) -> Motor:
             raise ParameterError(
                 f'"motor" is missing, a preset or a narx.Motor, or all of its figures: {error}'
             ) from None
-    whole = Motor.preset(motor) if isinstance(motor, str) else motor
+    whole = given.motor(motor)
     return whole.replace(**changes) if changes else whole
 
 
 def load_of(load: Load | None, changes: Mapping[str, Any]) -> Load | None:
     """Returns a load with changes."""
+    if load is not None:
+        given.load(load)
     if not changes:
         return load
     whole = load or Load()

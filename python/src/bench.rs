@@ -1,9 +1,10 @@
 //! The bench.
 
 use crate::description;
-use crate::error;
+use crate::error::{self, Given};
 use crate::master::Master;
 use crate::motor::{self, Load, Motor};
+use crate::notes;
 use crate::session::Shared;
 use crate::trace;
 use crate::tx_driver;
@@ -14,7 +15,7 @@ use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase}
 use narx_sim::session::{Session, SessionConfig, parse_board};
 use narx_sim::trace::Trace;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyMapping};
+use pyo3::types::{PyBytes, PyDict};
 
 /// A virtual drive with its motor on a simulated bench, and a master on its bus; the compiled part of
 /// `narx.Bench`.
@@ -27,18 +28,18 @@ pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, P
 #[pymethods]
 impl Bench {
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000,
-                        recording=true))]
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000), recording=true))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
-        supply_voltage: f64,
+        supply_voltage: Given,
         load: Option<&Load>,
-        mode: &str,
-        parameters: Option<&Bound<'_, PyMapping>>,
-        ambient: f64,
-        seed: i128,
-        pwm_rate: i128,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
         recording: bool,
     ) -> PyResult<Self> {
         let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
@@ -67,13 +68,13 @@ impl Bench {
     /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
-        self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
+        self.0.with(py, |session| notes::notes(session.commissioning()))
     }
 
     /// Runs the simulation for `seconds`, to the nearest control tick, and keeps a row of each tick, or
     /// removes all rows.
     #[pyo3(signature = (seconds, trace=true))]
-    fn advance(&self, py: Python<'_>, seconds: f64, trace: bool) -> PyResult<()> {
+    fn advance(&self, py: Python<'_>, seconds: Given, trace: bool) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
         let ticks = self.0.with(py, |session| {
             session.bench_mut().set_trace(trace);
@@ -95,11 +96,12 @@ impl Bench {
         py: Python<'_>,
         fault: &str,
         active: bool,
-        value: Option<f64>,
-        phase: Option<&str>,
-        high: bool,
+        value: Option<Given>,
+        phase: Option<Given>,
+        high: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let value = if active { value } else { Some(Injection::some_value(fault)) };
+        let high = error::flag("high", high)?;
+        let value = if active { value } else { Some(Injection::some_value(fault).into()) };
         let injection = injection(py, fault, value, phase, high)?;
         self.0.with(py, |session| {
             let plant = session.bench_mut().plant_mut();
@@ -126,7 +128,8 @@ impl Bench {
     }
 
     /// Sets an input of the board to a value; `input` is a name of `inputs`.
-    fn set_input(&self, py: Python<'_>, input: &str, value: f64) -> PyResult<()> {
+    fn set_input(&self, py: Python<'_>, input: Given, value: Given) -> PyResult<()> {
+        let value = error::finite("value", value, "")?;
         let input = error::choice("input", input, &Input::ALL.map(|input| (input.name(), input)))?;
         let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
         set.map_err(|refused| error::parameter(format!("input {value}: {refused}")))
@@ -143,10 +146,10 @@ impl Bench {
     fn add_tx_driver(
         &self,
         py: Python<'_>,
-        node_id: i128,
-        channels: i128,
-        encoder: Option<i128>,
-        measuring_range: f64,
+        node_id: Given,
+        channels: Given,
+        encoder: Option<Given>,
+        measuring_range: Given,
     ) -> PyResult<()> {
         let config = tx_driver::config(node_id, channels, encoder, measuring_range)?;
         self.0
@@ -154,6 +157,7 @@ impl Bench {
                 let bench = session.bench_mut();
                 let node = config.configuration.node();
                 if bench.tx_drivers().iter().any(|device| device.driver().node() == node) {
+                    let node_id = node.raw();
                     return Err(format!("node_id {node_id}: there is a TX-Driver of this node-id already"));
                 }
                 bench.add_tx_driver(&config).map(drop).map_err(|error| error.to_string())
@@ -162,8 +166,14 @@ impl Bench {
     }
 
     /// Returns a master of a TX-Driver on this bench's bus. timeout: s.
-    #[pyo3(signature = (node_id, channels=1, timeout=0.1))]
-    fn tx_master(&self, py: Python<'_>, node_id: i128, channels: i128, timeout: f64) -> PyResult<TxMaster> {
+    #[pyo3(signature = (node_id, channels, timeout))]
+    fn tx_master(
+        &self,
+        py: Python<'_>,
+        node_id: Given,
+        channels: Given,
+        timeout: Given,
+    ) -> PyResult<TxMaster> {
         let master = TxMaster::with_station(node_id, channels, timeout)?;
         self.0.seat(py, &master.station());
         Ok(master)
@@ -187,10 +197,15 @@ pub(crate) fn run(py: Python<'_>, (table, recording): (Trace, Vec<u8>)) -> PyRes
 pub(crate) fn injection(
     py: Python<'_>,
     fault: &str,
-    value: Option<f64>,
-    phase: Option<&str>,
+    value: Option<Given>,
+    phase: Option<Given>,
     high: bool,
 ) -> PyResult<Injection> {
+    let real = |value: Given| match value.real() {
+        Some(real) => Ok(real),
+        None => error::finite(&format!("fault \"{fault}\": value"), value, ""),
+    };
+    let value = value.map(real).transpose()?;
     let phases = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
     let phase = phase.map(|name| error::choice("phase", name, &phases)).transpose()?;
     Injection::named(fault, InjectionOptions { value, phase, high }).map_err(|reason| {
@@ -204,34 +219,35 @@ pub(crate) fn injection(
 #[allow(clippy::too_many_arguments, reason = "those of the Python classes")]
 pub(crate) fn config(
     motor: &Motor,
-    supply_voltage: f64,
+    supply_voltage: Given,
     load: Option<&Load>,
-    mode: &str,
-    parameters: Option<&Bound<'_, PyMapping>>,
-    ambient: f64,
-    seed: i128,
-    pwm_rate: i128,
+    mode: Given,
+    parameters: Option<&Bound<'_, PyAny>>,
+    ambient: Given,
+    seed: Given,
+    pwm_rate: Given,
 ) -> PyResult<SessionConfig> {
-    let mut config = motor.session(supply_voltage, motor::mode(mode)?);
+    let mut config = motor.session(motor::supply(supply_voltage)?, motor::mode(mode)?);
     config.load = load.map_or(config.load, Load::config);
     config.parameters = parameters.map_or_else(|| Ok(Vec::new()), numbered)?;
-    config.ambient = error::finite("ambient", ambient, "degrees Celsius")?;
-    config.seed = u64::try_from(seed).map_err(|_| {
-        error::parameter(format!("seed {seed}: must be a whole number from 0 to {}", u64::MAX))
-    })?;
+    // As the injection of the same name.
+    let ambients = Injection::KINDS.iter().find(|kind| kind.name == "ambient").and_then(|kind| kind.value);
+    let (min, max) = ambients.map_or((f64::MIN, f64::MAX), |value| (value.min, value.max));
+    config.ambient = error::within("ambient", ambient, "degrees Celsius", min, max)?;
+    config.seed = error::whole("seed", seed, "", 0, u64::MAX)?;
     config.board = board(pwm_rate)?;
     Ok(config)
 }
 
 /// Returns the board with this PWM rate, Hz.
-pub(crate) fn board(pwm_rate: i128) -> PyResult<Board> {
+pub(crate) fn board(pwm_rate: Given) -> PyResult<Board> {
     parse_board(&pwm_rate.to_string())
         .map_err(|refused| error::parameter(format!("pwm_rate {pwm_rate}: {refused}")))
 }
 
 /// Returns parameters by number; a key that is a string is a name of the dictionary.
-pub(crate) fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
-    parameters
+pub(crate) fn numbered(parameters: &Bound<'_, PyAny>) -> PyResult<Vec<(u16, f64)>> {
+    error::mapping("parameters", parameters)?
         .items()?
         .iter()
         .map(|item| {
@@ -249,7 +265,8 @@ pub(crate) fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, 
 #[pyo3(name = "parameter_number")]
 pub(crate) fn number(key: &Bound<'_, PyAny>) -> PyResult<u16> {
     let Ok(name) = key.extract::<String>() else {
-        let number: Option<u16> = key.extract().ok();
+        let given: Given = key.extract()?;
+        let number = given.whole().and_then(|number| u16::try_from(number).ok());
         let known = number.filter(|number| Dictionary::row(*number).is_some());
         return known.ok_or_else(|| error::parameter(format!("there is no parameter {key}")));
     };

@@ -1,6 +1,6 @@
 //! Logs of a CAN bus as columns.
 
-use crate::error;
+use crate::error::{self, Given};
 use narx_core::motor::FaultWord;
 use narx_core::node::Diagnostics;
 use narx_host::can_log::{CanLog, Config, Ends, Kind, Logged, Signal, Table, Values, flag};
@@ -16,7 +16,7 @@ use std::thread;
 pub(crate) struct LogReader(Mutex<CanLog>);
 
 /// A frame from another reader: time, channel, bits of `frame_flags`, identifier, length, data.
-type Given = (f64, PyBackedStr, u8, u32, u8, PyBackedBytes);
+type Passed = (f64, PyBackedStr, u8, u32, u8, PyBackedBytes);
 /// A signal: name, unit, and the meanings of its numbers.
 type Described = (&'static str, &'static str, Vec<(u16, &'static str)>);
 /// A table: name, true if a device sends the message, time, signals, their columns.
@@ -31,21 +31,14 @@ impl LogReader {
     /// slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of
     /// TX-Drivers whose PDOs of 8 bytes contain the encoder's value.
     #[new]
-    fn new(slave: Option<i128>, monitor: Option<i128>, encoders: Vec<i128>) -> PyResult<Self> {
-        let address = |name: &str, value: Option<i128>| match value.map(u8::try_from) {
-            Some(Err(_)) => {
-                let value = value.unwrap_or_default();
-                Err(error::parameter(format!(
-                    "{name} {value}: must be a whole number from 0 to 255, or None"
-                )))
-            }
-            Some(Ok(address)) => Ok(Some(address)),
-            None => Ok(None),
+    fn new(slave: Option<Given>, monitor: Option<Given>, encoders: Vec<Given>) -> PyResult<Self> {
+        let address = |name: &str, value: Option<Given>| {
+            value.map(|value| error::whole(name, value, "", 0, u8::MAX)).transpose()
         };
         let ends = Ends { slave: address("slave", slave)?, monitor: address("monitor", monitor)? };
-        let encoders = encoders.into_iter().try_fold(0, |bits, node| match node {
-            1..=127 => Ok(bits | 1_u128 << node),
-            _ => Err(error::parameter(format!("encoders {node}: must be whole numbers from 1 to 127"))),
+        let encoders = encoders.into_iter().try_fold(0, |bits, node| {
+            let node: u8 = error::whole("encoders", node, "", 1, 127)?;
+            PyResult::Ok(bits | 1_u128 << node)
         })?;
         Ok(Self(Mutex::new(CanLog::new(Config { ends, encoders }))))
     }
@@ -58,7 +51,7 @@ impl LogReader {
     }
 
     /// Takes frames in the order of their log.
-    fn frames(&self, frames: Vec<Given>) {
+    fn frames(&self, frames: Vec<Passed>) {
         let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for (time, channel, flags, id, dlc, data) in frames {
             let channel = log.frames.channel(&channel);

@@ -6,7 +6,6 @@ use narx_core::dictionary::{Parameters, engineering};
 use narx_core::initialiser;
 use narx_core::motor::{Board, Channel, Coefficients, Equipment, FrontEnd};
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -19,8 +18,8 @@ use std::collections::HashMap;
 #[pyfunction]
 #[pyo3(signature = (parameters, board=None, name="coefficients"))]
 pub(crate) fn coefficients(
-    parameters: &Bound<'_, PyMapping>,
-    board: Option<&Bound<'_, PyMapping>>,
+    parameters: &Bound<'_, PyAny>,
+    board: Option<&Bound<'_, PyAny>>,
     name: &str,
 ) -> PyResult<String> {
     let board = board.map_or(Ok(Board::BENCH), described)?;
@@ -49,10 +48,11 @@ fn checked(name: &str) -> PyResult<&str> {
 
 /// Returns the default board with what `given` changes. Ranges are those of `Board::is_plausible`, and of C's
 /// types.
-fn described(given: &Bound<'_, PyMapping>) -> PyResult<Board> {
+fn described(given: &Bound<'_, PyAny>) -> PyResult<Board> {
     let mut board = Board::BENCH;
-    for item in given.items()?.iter() {
-        let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+    for item in error::mapping("board", given)?.items()?.iter() {
+        let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
+        let key = key.to_string();
         match key.as_str() {
             "tick_rate" => board.tick_rate = whole(&key, &value, 1_000, 100_000)?,
             "earliest" => board.earliest = whole(&key, &value, 0, u16::MAX.into())?,

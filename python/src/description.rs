@@ -1,6 +1,6 @@
 //! Description of a drive: parameters, measurements and signals of the scope, with their scales.
 
-use crate::error;
+use crate::error::{self, Given};
 use crate::files;
 use crate::frame;
 use narx_core::bus::narmotion::Opcode;
@@ -12,7 +12,7 @@ use narx_core::master::{
     Measurements, Received, Refusal,
 };
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyString};
+use pyo3::types::PyDict;
 use std::sync::{Arc, LazyLock};
 
 /// The tables of a drive. Without a text they are those of this package.
@@ -60,7 +60,8 @@ impl Description {
     /// Returns the number of a parameter that is given by number or name; case does not matter.
     fn number(&self, key: &Bound<'_, PyAny>) -> PyResult<u16> {
         let Ok(name) = key.extract::<String>() else {
-            let number: Option<u16> = if key.is_instance_of::<PyBool>() { None } else { key.extract().ok() };
+            let given: Given = key.extract()?;
+            let number = given.whole().and_then(|number| u16::try_from(number).ok());
             let known = number.filter(|number| self.0.row(*number).is_some());
             return known.ok_or_else(|| error::parameter(format!("there is no parameter {key}")));
         };
@@ -210,21 +211,13 @@ impl Tables {
     }
 }
 
-/// Converts a number that a user has entered; a bool and a text are errors.
+/// Converts a number that a user has entered; anything else is an error.
 pub(crate) fn entered(scale: Scale<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let number: Option<f64> =
-        if is_truth(value) || value.is_instance_of::<PyString>() { None } else { value.extract().ok() };
-    number.ok_or_else(|| {
-        let shown = value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+    let given: Given = value.extract()?;
+    given.real().ok_or_else(|| {
         let (kind, unit) = (if scale.is_whole() { "whole number" } else { "number" }, scale.unit);
         let space = if unit.is_empty() { "" } else { " " };
         let [min, max] = [scale.min, scale.max].map(|raw| scale.to_unit(raw));
-        error::parameter(format!("{scale}: {shown} is not a {kind} from {min} to {max}{space}{unit}"))
+        error::parameter(format!("{scale}: {given} is not a {kind} from {min} to {max}{space}{unit}"))
     })
-}
-
-/// Returns whether the value is a bool of Python or of numpy.
-pub(crate) fn is_truth(value: &Bound<'_, PyAny>) -> bool {
-    let name = value.get_type().name();
-    value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool_" || name == "bool")
 }

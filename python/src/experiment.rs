@@ -1,13 +1,13 @@
 //! Experiments: a start and its figures, many of them on every core.
 
 use crate::bench::{self, Run};
-use crate::error;
+use crate::error::{self, Given};
 use crate::master;
 use crate::motor::{Load, Motor};
 use narx_host::parallel;
-use narx_sim::experiment::{FIGURES, Figures, Value};
+use narx_sim::experiment::{FIGURES, Figures, Outcome, Value};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 
@@ -21,26 +21,27 @@ impl Experiment {
     /// commissioning. seconds: from the Drive request to the end. fault to fault_high are those of
     /// `narx.Bench.inject`; fault_time: s after the request.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, rpm=None, seconds=2.0,
-                        fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=0.0))]
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000), rpm=None, seconds=Given::Real(2.0),
+                        fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=Given::Real(0.0)))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         py: Python<'_>,
         motor: &Motor,
-        supply_voltage: f64,
+        supply_voltage: Given,
         load: Option<&Load>,
-        mode: &str,
-        parameters: Option<&Bound<'_, PyMapping>>,
-        ambient: f64,
-        seed: i128,
-        pwm_rate: i128,
-        rpm: Option<f64>,
-        seconds: f64,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
+        rpm: Option<Given>,
+        seconds: Given,
         fault: Option<&str>,
-        fault_value: Option<f64>,
-        fault_phase: Option<&str>,
+        fault_value: Option<Given>,
+        fault_phase: Option<Given>,
         fault_high: bool,
-        fault_time: f64,
+        fault_time: Given,
     ) -> PyResult<Self> {
         let session = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         session.commission().map_err(error::parameter)?;
@@ -69,10 +70,15 @@ impl Experiment {
     }
 }
 
+/// Set-point that the drive has accepted.
+const ACCEPTED: (&str, &str) = ("accepted", "rpm");
+/// Outcome of a motor that runs at another set-point than the requested one.
+const CLAMPED: &str = "clamped";
+
 /// Name and unit of every figure of an experiment.
 #[pyfunction]
 pub(crate) fn experiment_figures() -> Vec<(&'static str, &'static str)> {
-    FIGURES.to_vec()
+    FIGURES.into_iter().chain([ACCEPTED]).collect()
 }
 
 /// Runs experiments on `threads` threads, or on every core. `tell` is called when each one ends, with its
@@ -99,13 +105,19 @@ pub(crate) fn run_experiments(
                 let run = || job.run(|| !stop.load(Ordering::Relaxed));
                 // A panic of one experiment must not end the others.
                 let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation failed".into());
-                run.and_then(|run| run.map_err(|error| error.to_string()))
+                let run = run.and_then(|run| run.map_err(|error| error.to_string()))?;
+                Ok::<_, String>(run.map(|(figures, mut session)| {
+                    let accepted = session.master().report().accepted_speed.map(|received| received.value);
+                    let accepted = accepted.filter(|_| figures.attempts > 0);
+                    (figures, accepted, job.rpm.is_some())
+                }))
             },
             |finished| {
                 outcome = Python::attach(|py| {
                     match finished {
-                        Some((index, Ok(Some((figures, _))))) => {
-                            drop(tell.call1(py, (index, dictionary(py, &figures)?))?)
+                        Some((index, Ok(Some((figures, accepted, requested))))) => {
+                            let figures = dictionary(py, &figures, accepted, requested)?;
+                            drop(tell.call1(py, (index, figures))?)
                         }
                         Some((index, Err(reason))) => drop(tell.call1(py, (index, reason))?),
                         Some((_, Ok(None))) | None => {}
@@ -119,7 +131,14 @@ pub(crate) fn run_experiments(
     outcome
 }
 
-fn dictionary<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, PyDict>> {
+/// Returns the figures by name. accepted: set-point that the drive has accepted, rpm. requested: whether the
+/// set-point is the user's.
+fn dictionary<'py>(
+    py: Python<'py>,
+    figures: &Figures,
+    accepted: Option<u16>,
+    requested: bool,
+) -> PyResult<Bound<'py, PyDict>> {
     let values = PyDict::new(py);
     for ((name, _), value) in FIGURES.iter().zip(figures.values()) {
         match value {
@@ -127,6 +146,15 @@ fn dictionary<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, Py
             Value::Number(value) => values.set_item(name, value)?,
             Value::Text(value) => values.set_item(name, value)?,
         }
+    }
+    let sign = figures.setpoint.signum();
+    let accepted = accepted.map(|accepted| sign * i32::from(accepted));
+    values.set_item(ACCEPTED.0, accepted)?;
+    if requested
+        && figures.outcome == Outcome::Running
+        && accepted.is_some_and(|speed| speed != figures.setpoint)
+    {
+        values.set_item("outcome", CLAMPED)?;
     }
     Ok(values)
 }

@@ -1,6 +1,8 @@
 //! Files for other tools, as they are committed.
 
-use crate::error;
+use crate::error::Given;
+use crate::tx_master;
+use narx_core::bus::eddycan::Channels;
 use narx_core::bus::narmotion::Addresses;
 use narx_core::description::Document;
 use narx_sim::bench::IDENTITY;
@@ -15,15 +17,14 @@ pub(crate) const fn dbc() -> &'static str {
 /// Returns the electronic data sheet (EDS) of a TX-Driver with this number of channels, whose PDOs have the
 /// encoder or not.
 #[pyfunction]
-#[pyo3(signature = (channels=1, encoder=false))]
-pub(crate) fn eds(channels: i128, encoder: bool) -> PyResult<&'static str> {
-    match (channels, encoder) {
-        (1, false) => Ok(include_str!("../../docs/eddycan-single.eds")),
-        (1, true) => Ok(include_str!("../../docs/eddycan-single-encoder.eds")),
-        (2, false) => Ok(include_str!("../../docs/eddycan-dual.eds")),
-        (2, true) => Ok(include_str!("../../docs/eddycan-dual-encoder.eds")),
-        _ => Err(error::parameter(format!("channels {channels}: must be 1 or 2"))),
-    }
+#[pyo3(signature = (channels=Given::Whole(1), encoder=false), text_signature = "(channels=1, encoder=False)")]
+pub(crate) fn eds(channels: Given, encoder: bool) -> PyResult<&'static str> {
+    Ok(match (tx_master::channels(channels)?, encoder) {
+        (Channels::Single, false) => include_str!("../../docs/eddycan-single.eds"),
+        (Channels::Single, true) => include_str!("../../docs/eddycan-single-encoder.eds"),
+        (Channels::Dual, false) => include_str!("../../docs/eddycan-dual.eds"),
+        (Channels::Dual, true) => include_str!("../../docs/eddycan-dual-encoder.eds"),
+    })
 }
 
 /// Returns the description (XML) that a drive of this version serves. With other addresses or another board

@@ -13,6 +13,7 @@ mod frame;
 mod log_record;
 mod master;
 mod motor;
+mod notes;
 mod recording;
 mod server;
 mod session;
@@ -38,6 +39,8 @@ mod _core {
     #[pymodule_export]
     use crate::description::Description;
     #[pymodule_export]
+    use crate::error::{checked_number, checked_whole_number};
+    #[pymodule_export]
     use crate::experiment::{Experiment, experiment_figures, run_experiments};
     #[pymodule_export]
     use crate::files::{dbc, eds, xml};
@@ -60,6 +63,7 @@ mod _core {
 
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("NodeState", crate::tx_master::states(module.py())?)?;
         module.add("Step", crate::blocks::steps(module.py())?)?;
         module.add("State", crate::state::states(module.py())?)

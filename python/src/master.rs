@@ -1,7 +1,7 @@
 //! Master of a drive: that of a bench, or one whose frames Python carries.
 
-use crate::description::{Description, Signal, Tables, is_truth};
-use crate::error;
+use crate::description::{Description, Signal, Tables};
+use crate::error::{self, Given};
 use crate::frame;
 use crate::session::Shared;
 use crate::state;
@@ -92,26 +92,17 @@ impl Master {
     /// Makes a master on no bus. slave, monitor: addresses of the drive and of this master. setpoint_period,
     /// timeout: s.
     #[new]
-    #[pyo3(signature = (slave=170, monitor=85, setpoint_period=0.05, silent=false, read_parameters=true, timeout=0.1))]
+    #[pyo3(signature = (slave, monitor, setpoint_period, silent, read_parameters, timeout=Given::Real(0.1)))]
     fn new(
-        slave: i128,
-        monitor: i128,
-        setpoint_period: f64,
+        slave: Given,
+        monitor: Given,
+        setpoint_period: Given,
         silent: bool,
         read_parameters: bool,
-        timeout: f64,
+        timeout: Given,
     ) -> PyResult<Self> {
-        let address = |name: &str, value: i128| {
-            let fits = u8::try_from(value).ok();
-            fits.ok_or_else(|| {
-                error::parameter(format!("{name} {value}: must be a whole number from 0 to 255"))
-            })
-        };
-        let time = |name, value| {
-            let allowed = "0.001 to 10 s";
-            error::number(name, value, "s", allowed, |value| (0.001..=10.0).contains(&value))
-                .map(microseconds)
-        };
+        let address = |name: &str, value: Given| error::whole(name, value, "", 0, u8::MAX);
+        let time = |name, value: Given| error::within(name, value, "s", 0.001, 10.0).map(microseconds);
         let config = Config {
             addresses: Addresses { drive: address("slave", slave)?, master: address("monitor", monitor)? },
             setpoint_period: time("setpoint_period", setpoint_period)?,
@@ -166,12 +157,11 @@ impl Master {
     fn check_speed(
         &self,
         py: Python<'_>,
-        rpm: &Bound<'_, PyAny>,
+        rpm: Given,
         values: HashMap<u16, i32>,
         least: Option<i32>,
     ) -> PyResult<Option<u16>> {
-        let least = least.map_or(-RPM_MAX, f64::from);
-        let rpm = error::whole("rpm", number(rpm, least)?, "", least, RPM_MAX)? as i32;
+        let rpm = error::whole("rpm", rpm, "", least.unwrap_or(-RPM_MAX), RPM_MAX)?;
         let missing = Cell::new(None);
         let limits = match &self.host {
             Host::Bench(session) => session.with(py, |session| {
@@ -205,9 +195,9 @@ impl Master {
     /// Begins a job: "start" at a speed, rpm, negative in reverse, "calibrate hall" or "reboot". `poll_job`
     /// returns its end.
     #[pyo3(signature = (job, rpm=None))]
-    fn begin(&self, py: Python<'_>, job: &str, rpm: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn begin(&self, py: Python<'_>, job: &str, rpm: Option<Given>) -> PyResult<()> {
         let job = match rpm {
-            Some(rpm) => Job::Start { rpm: rpm_of(rpm)? },
+            Some(rpm) => Job::Start { rpm: self::rpm(rpm)? },
             None => error::choice("job", job, &JOBS)?,
         };
         self.begin_job(py, job)
@@ -216,10 +206,10 @@ impl Master {
     /// Begins a job of the scope or the log: "arm scope", "force scope", "await scope", "capture scope" or
     /// "erase log". setup: channels, samples, prescaler, before, and kind, signal and level of the trigger,
     /// as the parameters have them; within: longest wait for the record, s. `poll_record` returns its end.
-    #[pyo3(signature = (job, setup=(0, 0.0, 0.0, 0.0, 0, 0, 0), within=0.0))]
-    fn begin_record(&self, py: Python<'_>, job: &str, setup: Setup, within: f64) -> PyResult<()> {
+    #[pyo3(signature = (job, setup, within))]
+    fn begin_record(&self, py: Python<'_>, job: &str, setup: Setup, within: Given) -> PyResult<()> {
         let (channels, samples, prescaler, before, trigger, signal, level) = setup;
-        let word = |name, value| error::whole(name, value, "", 0.0, u16::MAX.into()).map(|word| word as u16);
+        let word = |name, value: Given| error::whole(name, value, "", 0, u16::MAX);
         let setup = ScopeSetup {
             channels,
             samples: word("samples", samples)?,
@@ -229,7 +219,7 @@ impl Master {
             signal,
             level,
         };
-        let within = microseconds(within);
+        let within = microseconds(error::magnitude("timeout", within, "s")?);
         let jobs = [
             ("arm scope", Job::ArmScope(setup)),
             ("force scope", Job::ForceScope),
@@ -251,8 +241,8 @@ impl Master {
     }
 
     /// Requests another speed in the same direction, rpm.
-    fn set_speed(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
-        let rpm = error::whole("rpm", number(rpm, 0.0)?, "", 0.0, RPM_MAX)? as u16;
+    fn set_speed(&self, py: Python<'_>, rpm: Given) -> PyResult<()> {
+        let rpm = error::whole("rpm", rpm, "", 0, u16::MAX)?;
         match &self.host {
             Host::Bench(session) => session.with(py, |session| session.set_speed(rpm)),
             Host::Free(_) => self.with(py, |master, _| master.set_speed(rpm)),
@@ -422,7 +412,16 @@ impl Master {
     }
 
     /// Sets the digital lines: each is an input (`None`), or an output of this level.
-    fn set_outputs(&self, py: Python<'_>, dsio1: Option<bool>, dsio2: Option<bool>) -> PyResult<()> {
+    fn set_outputs(
+        &self,
+        py: Python<'_>,
+        dsio1: &Bound<'_, PyAny>,
+        dsio2: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let level = |name, line: &Bound<'_, PyAny>| {
+            if line.is_none() { Ok(None) } else { error::flag(name, line).map(Some) }
+        };
+        let (dsio1, dsio2) = (level("dsio1", dsio1)?, level("dsio2", dsio2)?);
         let outputs = DigitalOutputs {
             enable1: dsio1.is_some(),
             value1: dsio1.unwrap_or(false),
@@ -546,7 +545,7 @@ impl Master {
 }
 
 /// Largest set-point of MOTOR_CMD: whole rpm of 16 bits.
-const RPM_MAX: f64 = u16::MAX as f64;
+const RPM_MAX: i32 = u16::MAX as i32;
 
 fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
     // Parameters of every type have 32 bits; the cast keeps them.
@@ -563,7 +562,7 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
 const JOBS: [(&str, Job); 2] = [("calibrate hall", Job::CalibrateHall), ("reboot", Job::Reboot)];
 
 /// Settings of a record, as Python passes them.
-type Setup = (u32, f64, f64, f64, u8, u8, i32);
+type Setup = (u32, Given, Given, Given, u8, u8, i32);
 
 /// Converts the error of a job, or of one request. An error about a parameter has the drive's own name and
 /// range.
@@ -592,21 +591,7 @@ fn seconds(microseconds: u64) -> f64 {
     microseconds as f64 / 1e6
 }
 
-/// Converts a speed that a user has entered.
-fn rpm_of(rpm: &Bound<'_, PyAny>) -> PyResult<i32> {
-    self::rpm(number(rpm, -RPM_MAX)?)
-}
-
-/// Converts a number that a user has entered; a bool and a text are errors.
-fn number(rpm: &Bound<'_, PyAny>, min: f64) -> PyResult<f64> {
-    let entered: Option<f64> = if is_truth(rpm) { None } else { rpm.extract().ok() };
-    entered.ok_or_else(|| {
-        let shown = rpm.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
-        error::parameter(format!("rpm {shown}: must be a whole number from {min} to {RPM_MAX}"))
-    })
-}
-
 /// Converts a speed to whole rpm in the range of MOTOR_CMD.
-pub(crate) fn rpm(rpm: f64) -> PyResult<i32> {
-    error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX).map(|rpm| rpm as i32)
+pub(crate) fn rpm(rpm: Given) -> PyResult<i32> {
+    error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX)
 }

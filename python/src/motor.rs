@@ -1,9 +1,11 @@
 //! Motors and loads.
 
-use crate::{bench, error};
+use crate::bench;
+use crate::error::{self, Given};
+use crate::notes;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters};
-use narx_sim::commissioning::{Commissioning, Mode};
+use narx_sim::commissioning::{Commissioning, Mode, SUPPLY};
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
 use narx_sim::session::SessionConfig;
@@ -35,34 +37,43 @@ pub(crate) struct Motor {
 #[pymethods]
 impl Motor {
     #[new]
-    #[pyo3(signature = (pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=0.0,
-                        viscous_friction=0.0, back_emf="trapezoidal", hall_offset_deg=0.0,
-                        rated_current=None, max_speed=None))]
+    #[pyo3(signature = (pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=Given::Real(0.0),
+                        viscous_friction=Given::Real(0.0), back_emf=Given::word("trapezoidal"),
+                        hall_offset_deg=Given::Real(0.0), rated_current=None, max_speed=None),
+           text_signature = "(pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=0.0, \
+                             viscous_friction=0.0, back_emf='trapezoidal', hall_offset_deg=0.0, rated_current=None, \
+                             max_speed=None)")]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
-        pole_pairs: f64,
-        resistance: f64,
-        inductance: f64,
-        torque_constant: f64,
-        inertia: f64,
-        static_friction: f64,
-        viscous_friction: f64,
-        back_emf: &str,
-        hall_offset_deg: f64,
-        rated_current: Option<f64>,
-        max_speed: Option<f64>,
+        pole_pairs: Given,
+        resistance: Given,
+        inductance: Given,
+        torque_constant: Given,
+        inertia: Given,
+        static_friction: Given,
+        viscous_friction: Given,
+        back_emf: Given,
+        hall_offset_deg: Given,
+        rated_current: Option<Given>,
+        max_speed: Option<Given>,
     ) -> PyResult<Self> {
-        let positive = |name, value, unit| {
+        let positive = |name, value: Given, unit| {
             error::number(name, value, unit, "a finite number above 0", |value| value > 0.0)
         };
         let config = MotorConfig {
-            pole_pairs: error::whole("pole_pairs", pole_pairs, "", 1.0, 255.0)? as u8,
+            pole_pairs: error::whole("pole_pairs", pole_pairs, "", 1, u8::MAX)?,
             resistance: positive("resistance", resistance, "ohm")?,
             inductance: positive("inductance", inductance, "H")?,
             torque_constant: positive("torque_constant", torque_constant, "N m/A")?,
             inertia: positive("inertia", inertia, "kg m2")?,
-            static_friction: error::magnitude("static_friction", static_friction, "N m")?,
-            viscous_friction: error::magnitude("viscous_friction", viscous_friction, "N m s/rad")?,
+            static_friction: error::within("static_friction", static_friction, "N m", 0.0, LOAD_MAX)?,
+            viscous_friction: error::within(
+                "viscous_friction",
+                viscous_friction,
+                "N m s/rad",
+                0.0,
+                LOAD_MAX,
+            )?,
             back_emf: error::choice("back_emf", back_emf, &shapes())?,
             ..MotorConfig::default()
         };
@@ -79,8 +90,19 @@ impl Motor {
     }
 
     /// Returns a real motor by its name; `sim/src/presets/` has the source of every figure.
+    ///
+    /// There are ec45-flat-50w-18v, ec45-flat-50w-36v, ec45-flat-70w-36v, ec45-flat-70w-60v,
+    /// ec90-flat-90w-24v, ec-max40-120w-48v, ec4pole30-200w-36v, ec-i40-100w-48v, 4221g018bxth-18v,
+    /// 4221g024bxth-24v, bly172s-24v, bly171d-24v, qbl5704-36v, dma0204024b101-24v, bldc-1-25-058-201-24v,
+    /// db42m03-24v, bm-180e-24v, am8112-0f21-48v.
     #[staticmethod]
-    fn preset(py: Python<'_>, name: &str) -> PyResult<Self> {
+    fn preset(py: Python<'_>, name: Given) -> PyResult<Self> {
+        let Given::Word(name) = &name else {
+            return Err(error::parameter(format!(
+                "there is no preset {name}; there are {}",
+                Self::presets().join(", ")
+            )));
+        };
         let preset = presets::preset(name).ok_or_else(|| {
             let hint = error::suggestion(py, name, PRESETS.iter().map(|preset| preset.name));
             let names = Self::presets().join(", ");
@@ -124,13 +146,14 @@ impl Motor {
 
     /// Returns the parameters of a drive for this motor on `supply_voltage` volts by the design rules: name
     /// -> value in its unit. pwm_rate: of its board, 8 000 to 50 000 Hz.
-    #[pyo3(signature = (supply_voltage, mode="sensorless", pwm_rate=10_000))]
+    #[pyo3(signature = (supply_voltage, mode=Given::word("sensorless"), pwm_rate=Given::Whole(10_000)),
+           text_signature = "($self, supply_voltage, mode='sensorless', pwm_rate=10000)")]
     fn commission<'py>(
         &self,
         py: Python<'py>,
-        supply_voltage: f64,
-        mode: &str,
-        pwm_rate: i128,
+        supply_voltage: Given,
+        mode: Given,
+        pwm_rate: Given,
     ) -> PyResult<Bound<'py, PyDict>> {
         let commissioning = self.commissioning(supply_voltage, mode, pwm_rate)?;
         dictionary(py, &commissioning.parameters)
@@ -138,8 +161,14 @@ impl Motor {
 
     /// Returns the speeds that a drive for this motor accepts on `supply_voltage` volts, and the allowed load
     /// at each.
-    #[pyo3(signature = (supply_voltage, mode="sensorless", pwm_rate=10_000))]
-    fn operating_range(&self, supply_voltage: f64, mode: &str, pwm_rate: i128) -> PyResult<OperatingRange> {
+    #[pyo3(signature = (supply_voltage, mode=Given::word("sensorless"), pwm_rate=Given::Whole(10_000)),
+           text_signature = "($self, supply_voltage, mode='sensorless', pwm_rate=10000)")]
+    fn operating_range(
+        &self,
+        supply_voltage: Given,
+        mode: Given,
+        pwm_rate: Given,
+    ) -> PyResult<OperatingRange> {
         self.commissioning(supply_voltage, mode, pwm_rate).map(OperatingRange)
     }
 
@@ -250,9 +279,9 @@ impl Motor {
     }
 
     /// Returns what commissioning makes of it, on a board with this PWM rate.
-    fn commissioning(&self, supply: f64, mode: &str, pwm_rate: i128) -> PyResult<Commissioning> {
+    fn commissioning(&self, supply: Given, mode: Given, pwm_rate: Given) -> PyResult<Commissioning> {
         let board = bench::board(pwm_rate)?;
-        let config = SessionConfig { board, ..self.session(supply, self::mode(mode)?) };
+        let config = SessionConfig { board, ..self.session(self::supply(supply)?, self::mode(mode)?) };
         config.commission().map_err(error::parameter)
     }
 
@@ -333,7 +362,7 @@ impl OperatingRange {
     /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.0.notes.iter().map(ToString::to_string).collect()
+        notes::notes(&self.0)
     }
 
     fn __repr__(&self) -> String {
@@ -364,7 +393,7 @@ pub(crate) fn restore_motor(
     arguments: &Bound<'_, PyDict>,
 ) -> PyResult<Motor> {
     match preset {
-        Some(name) => Motor::preset(py, name)?.replace(py, Some(arguments)),
+        Some(name) => Motor::preset(py, Given::word(name))?.replace(py, Some(arguments)),
         None => {
             let motor = py.get_type::<Motor>().call((), Some(arguments))?.cast_into::<Motor>()?;
             Ok(Motor { ..*motor.get() })
@@ -372,10 +401,13 @@ pub(crate) fn restore_motor(
     }
 }
 
+/// Largest figure of a load or a friction, in SI units: it holds every motor of this drive.
+const LOAD_MAX: f64 = 1000.0;
+
 /// A load on the shaft. All torques oppose the motion; the constant one also acts at standstill.
 ///
 /// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly
-/// coupled. Raises ParameterError for a value that is not finite, or negative.
+/// coupled. Each is 0 to 1000. Raises ParameterError for another value.
 #[pyclass(module = "narx", frozen, get_all, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Load {
@@ -392,13 +424,14 @@ pub(crate) struct Load {
 #[pymethods]
 impl Load {
     #[new]
-    #[pyo3(signature = (constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0))]
-    fn new(constant: f64, viscous: f64, quadratic: f64, inertia: f64) -> PyResult<Self> {
+    #[pyo3(signature = (constant=Given::Real(0.0), viscous=Given::Real(0.0), quadratic=Given::Real(0.0), inertia=Given::Real(0.0)),
+           text_signature = "(constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0)")]
+    fn new(constant: Given, viscous: Given, quadratic: Given, inertia: Given) -> PyResult<Self> {
         Ok(Self {
-            constant: error::magnitude("constant", constant, "N m")?,
-            viscous: error::magnitude("viscous", viscous, "N m s/rad")?,
-            quadratic: error::magnitude("quadratic", quadratic, "N m s2/rad2")?,
-            inertia: error::magnitude("inertia", inertia, "kg m2")?,
+            constant: error::within("constant", constant, "N m", 0.0, LOAD_MAX)?,
+            viscous: error::within("viscous", viscous, "N m s/rad", 0.0, LOAD_MAX)?,
+            quadratic: error::within("quadratic", quadratic, "N m s2/rad2", 0.0, LOAD_MAX)?,
+            inertia: error::within("inertia", inertia, "kg m2", 0.0, LOAD_MAX)?,
         })
     }
 
@@ -430,8 +463,19 @@ impl Hash for Load {
     }
 }
 
+/// Returns a supply voltage; commissioning checks its range.
+pub(crate) fn supply(voltage: Given) -> PyResult<f64> {
+    error::number(
+        "supply_voltage",
+        voltage,
+        "V",
+        &format!("a number from {} to {}", SUPPLY.start(), SUPPLY.end()),
+        |_| true,
+    )
+}
+
 /// Returns the control mode with this name.
-pub(crate) fn mode(name: &str) -> PyResult<Mode> {
+pub(crate) fn mode(name: Given) -> PyResult<Mode> {
     error::choice("mode", name, &Mode::ALL.map(|mode| (mode.name(), mode)))
 }
 

@@ -1,6 +1,6 @@
 //! Replay of recordings, and conversion of the scope's records to recordings.
 
-use crate::error;
+use crate::error::{self, Given};
 use crate::trace;
 use narx_core::recording::{
     BEHAVIOUR_VERSION, ReplayError, header, record_scoped, replay_any, replay_any_until,
@@ -24,10 +24,9 @@ type Answer<'py> =
 pub(crate) fn replay<'py>(
     py: Python<'py>,
     recording: PyBackedBytes,
-    until: Option<i64>,
+    until: Option<Given>,
 ) -> PyResult<Answer<'py>> {
-    let refused = |ticks| error::parameter(format!("until {ticks}: must be a number of ticks, 0 or more"));
-    let until = until.map(|ticks| u64::try_from(ticks).map_err(|_| refused(ticks))).transpose()?;
+    let until = until.map(|ticks| error::whole("until", ticks, "", 0, u64::MAX)).transpose()?;
     let answer = py.detach(|| run(&recording, until)).map_err(error::recording)?;
     let Replayed { trace, ticks, digest, recorded_digest, outputs, label, same_behaviour } = answer;
     let (columns, units) = trace::columns(py, trace)?;

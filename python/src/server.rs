@@ -1,11 +1,11 @@
 //! The virtual drive that other programs reach through slcan, for `narx bench`.
 
 use crate::bench;
-use crate::error;
+use crate::error::{self, Given};
 use crate::motor::{Load, Motor};
+use crate::notes;
 use narx_host::serve::{Server as Host, Speed, call, tx_drivers};
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -28,27 +28,28 @@ impl Server {
     /// with commas between, ":dual" behind those with two channels. speed: simulated over real time; 0 is as
     /// fast as possible. seconds: simulated time after which it ends.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, tx_drivers=None, speed=1.0,
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000), tx_drivers=None, speed=Given::Real(1.0),
                         seconds=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
-        supply_voltage: f64,
+        supply_voltage: Given,
         load: Option<&Load>,
-        mode: &str,
-        parameters: Option<&Bound<'_, PyMapping>>,
-        ambient: f64,
-        seed: i128,
-        pwm_rate: i128,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
         tx_drivers: Option<&str>,
-        speed: f64,
-        seconds: Option<f64>,
+        speed: Given,
+        seconds: Option<Given>,
     ) -> PyResult<Self> {
         let mut config =
             bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
         config.trace = false;
         let (mut bench, commissioning) = config.power_up().map_err(error::parameter)?;
-        let mut notes: Vec<String> = commissioning.notes.iter().map(ToString::to_string).collect();
+        let mut notes = notes::notes(&commissioning);
         if let Some(list) = tx_drivers {
             let refused = |allowed| error::parameter(format!("tx_drivers {list}: {allowed}"));
             for driver in tx_drivers::parse(list).map_err(refused)? {

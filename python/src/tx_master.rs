@@ -1,6 +1,6 @@
 //! Master of a TX-Driver: on the bus of a bench, or one whose frames Python carries.
 
-use crate::error;
+use crate::error::{self, Given};
 use crate::frame;
 use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{Channels, ErrorCode, Layout, NmtCommand, NmtState, NodeId, PdoKind, Reading};
@@ -74,8 +74,8 @@ impl Station {
 impl TxMaster {
     /// Makes a master on no bus. timeout: s.
     #[new]
-    #[pyo3(signature = (node_id, channels=1, timeout=0.1))]
-    fn new(node_id: i128, channels: i128, timeout: f64) -> PyResult<Self> {
+    #[pyo3(signature = (node_id, channels, timeout))]
+    fn new(node_id: Given, channels: Given, timeout: Given) -> PyResult<Self> {
         Self::with_station(node_id, channels, timeout)
     }
 
@@ -226,7 +226,7 @@ impl TxMaster {
 
     /// Changes the node-id that this master uses.
     #[setter]
-    fn set_node_id(&self, node_id: i128) -> PyResult<()> {
+    fn set_node_id(&self, node_id: Given) -> PyResult<()> {
         let node = node(node_id)?;
         self.with(|station| {
             station.master = Core::new(Config { node, ..*station.master.config() });
@@ -242,10 +242,9 @@ impl TxMaster {
 }
 
 impl TxMaster {
-    pub(crate) fn with_station(node_id: i128, channels: i128, timeout: f64) -> PyResult<Self> {
+    pub(crate) fn with_station(node_id: Given, channels: Given, timeout: Given) -> PyResult<Self> {
         let layout = Layout { channels: self::channels(channels)?, encoder: false };
-        let within = |timeout: f64| (0.003..=10.0).contains(&timeout);
-        let timeout = microseconds(error::number("timeout", timeout, "s", "from 0.003 to 10 s", within)?);
+        let timeout = microseconds(error::within("timeout", timeout, "s", 0.003, 10.0)?);
         let config = Config { timeout, ..Config::new(node(node_id)?, layout) };
         let master = Core::new(config);
         Ok(Self(Arc::new(Mutex::new(Station {
@@ -267,18 +266,15 @@ impl TxMaster {
     }
 }
 
-pub(crate) fn node(node_id: i128) -> PyResult<NodeId> {
-    u8::try_from(node_id)
-        .ok()
-        .and_then(NodeId::new)
-        .ok_or_else(|| error::parameter(format!("node_id {node_id}: must be a whole number from 1 to 127")))
+pub(crate) fn node(node_id: Given) -> PyResult<NodeId> {
+    let refused = || error::parameter("node_id: must be a whole number from 1 to 127");
+    NodeId::new(error::whole("node_id", node_id, "", 1, 127)?).ok_or_else(refused)
 }
 
-pub(crate) fn channels(channels: i128) -> PyResult<Channels> {
-    match channels {
-        1 => Ok(Channels::Single),
-        2 => Ok(Channels::Dual),
-        _ => Err(error::parameter(format!("channels {channels}: must be 1 or 2"))),
+pub(crate) fn channels(channels: Given) -> PyResult<Channels> {
+    match error::number("channels", channels, "", "1 or 2", |channels| channels == 1.0 || channels == 2.0)? {
+        1.0 => Ok(Channels::Single),
+        _ => Ok(Channels::Dual),
     }
 }
 

@@ -2,14 +2,13 @@
 //! `can.Bus(interface="narx")`.
 
 use crate::bench;
-use crate::error;
+use crate::error::{self, Given};
 use crate::frame;
 use crate::motor::{Load, Motor};
 use crate::tx_driver;
 use narx_core::bus::Frame;
 use narx_sim::bench::Bench;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
@@ -38,18 +37,19 @@ impl VirtualBus {
     /// Powers up a commissioned drive; arguments as those of `narx.Bench`. tx_drivers: node-ids of TX-Drivers
     /// of one channel beside it.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, pwm_rate=10_000, tx_drivers=None))]
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000), tx_drivers=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
-        supply_voltage: f64,
+        supply_voltage: Given,
         load: Option<&Load>,
-        mode: &str,
-        parameters: Option<&Bound<'_, PyMapping>>,
-        ambient: f64,
-        seed: i128,
-        pwm_rate: i128,
-        tx_drivers: Option<Vec<i128>>,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
+        tx_drivers: Option<Vec<Given>>,
     ) -> PyResult<Self> {
         let mut config =
             bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
@@ -57,7 +57,7 @@ impl VirtualBus {
         let (bench, _) = config.power_up().map_err(error::parameter)?;
         let mut bench = bench.without_recording();
         for node_id in tx_drivers.unwrap_or_default() {
-            let config = tx_driver::config(node_id, 1, Some(4096), 2.0)?;
+            let config = tx_driver::config(node_id, Given::Whole(1), Some(Given::Whole(4096)), 2.0.into())?;
             bench.add_tx_driver(&config).map_err(error::parameter)?;
         }
         Ok(Self(Mutex::new(World { bench, waiting: VecDeque::new(), sent: VecDeque::new() })))

@@ -211,7 +211,8 @@ impl fmt::Display for CommissioningError {
             Self::TooSlow { speed_max, speed_min, limit } => write!(
                 f,
                 "the drive's limits leave this motor {} rpm on this supply, less than the {} rpm it needs: {limit}",
-                Shown::Rounded(*speed_max, 0),
+                // Less than none is left where friction takes more than the supply can drive.
+                Shown::Rounded(fmax(*speed_max, 0.0), 0),
                 Shown::Rounded(*speed_min, 0)
             ),
             Self::SpeedMax { value, least, most, limit } => write!(

@@ -1,6 +1,7 @@
 """The bench: motors reach their speed, and the same call gives the same bits."""
 
 import _thread
+import importlib.metadata
 import math
 import signal
 import threading
@@ -251,3 +252,42 @@ def test_a_pwm_rate_beyond_the_board_is_refused() -> None:
     # A sector has four samples up to a speed that goes with the rate, until the voltage ends it.
     slow, fast = (motor.operating_range(18.0, pwm_rate=rate).speed_max for rate in (10_000, 20_000))
     assert fast > 1.25 * slow
+
+
+def test_notes_name_every_limit_of_torque_and_speed() -> None:
+    # Its rated current of 9.3 A is more than the drive has.
+    notes = narx.Bench("bm-180e-24v", mode="hall").notes
+    able = narx.Motor.preset("bm-180e-24v").operating_range(24.0, "hall")
+    most = max(speed for speed, limit in zip(able.speed, able.torque_limit, strict=True) if limit == "phase current")
+    assert notes == able.notes == [
+        f"torque is limited by the drive's phase current from 500 to {most:.0f} rpm, not by the motor's rated current of 9.3 A",
+        f"speed is limited to {able.speed_max:.0f} rpm, 80 % of the no-load speed: the winding's current and the reserve of the speed loop take "
+        "the rest of the supply voltage",
+    ]  # fmt: skip
+    assert narx.Motor.preset("bm-180e-24v").replace(rated_current=2.0, max_speed=2000).operating_range(24.0, "hall").notes == []
+
+
+def test_a_motor_whose_friction_takes_all_is_left_no_speed() -> None:
+    with pytest.raises(narx.ParameterError, match="^the drive's limits leave this motor 0 rpm on this supply, less than the 500 rpm it needs"):
+        narx.Motor(4, 50.0, 1e-4, 0.05, 1e-4, static_friction=1.0).commission(24.0)
+
+
+def test_a_preset_is_a_motor_by_its_name() -> None:
+    named = narx.Bench("ec45-flat-50w-18v", mode="hall")
+    assert repr(named) == "<narx.Bench of ec45-flat-50w-18v, 18 V, hall: Initialization, 0.000 s>"
+    assert repr(named.drive) == "<narx.Drive in Initialization, 0.000 s>"
+    named.drive.start(2000)
+    trace = named.run(1.0)
+    assert repr(named) == f"<narx.Bench of ec45-flat-50w-18v, 18 V, hall: Hall closed loop, 2000 rpm, {named.time:.3f} s>"
+    whole = narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"), 18.0, mode="hall")
+    whole.drive.start(2000)
+    assert whole.run(1.0).recording() == trace.recording()
+    assert "48 V" in repr(narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"))) and "24 V" in repr(narx.Bench("ec45-flat-50w-18v", 24))
+    with pytest.raises(narx.ParameterError, match='there is no preset "ec45"'):
+        narx.Bench("ec45")
+
+
+def test_the_reference_names_the_presets_and_the_package_its_version() -> None:
+    documented = narx.Motor.preset.__doc__ or ""
+    assert all(name in documented for name in narx.Motor.presets())
+    assert importlib.metadata.version("narx") == narx.__version__

@@ -120,7 +120,7 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
     ("make", "message"),
     [
         (lambda: Pi(-1.0, 1.0, 1000, 0.0, 1.0), "proportional -1: must be from 0 to 1073741823"),
-        (lambda: Pi(1.0, 1.0, 0, 0.0, 1.0), "step_rate 0 Hz: must be from 1 to 1000000"),
+        (lambda: Pi(1.0, 1.0, 0, 0.0, 1.0), "step_rate 0 Hz: must be a whole number from 1 to 1000000 Hz"),
         (lambda: Pi(1.0, 1.0, 1000, 1.0, 0.5), "minimum 1: must be from -32768 to 0.5"),
         (lambda: Pi(1.0, 1.0, 1000, 0.0, 1.0).run([0.0, np.nan]), r"error\[1\] NaN: must be from -32768 to"),
         (lambda: Ramp(0.0, 1000), "rate 0: must be from 0.0000152588 to 32768"),
@@ -129,7 +129,7 @@ def test_two_blocks_turn_a_motor_without_sensors() -> None:
         (lambda: Commutation().run([0.0, 1.0], [1.0]), "speed of 1 rows: must have 2, as angle has"),
         (lambda: Commutation.for_sector(6), "sector 6: must be a whole number from 0 to 5"),
         (lambda: Commutation.legs(13), "step 13: must be a whole number from 0 to 12"),
-        (lambda: Hall(order=6), "order 6: must be from 0 to 5"),
+        (lambda: Hall(order=6), "order 6: must be a whole number from 0 to 5"),
         (lambda: Hall(timeout=7.0), "timeout 7 s: must be from 0.001 to 6.553"),
         (lambda: Hall().run([1], [0.0]), "edge_time and edge_code: one without the other"),
         (lambda: Hall().run([1], [0.1, 0.0], [1, 2]), r"edge_time\[1\] 0 s: must be a finite number, not before"),

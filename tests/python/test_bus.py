@@ -45,6 +45,51 @@ def test_filters_hold_without_the_clock(bus: can.BusABC) -> None:
     assert bus.recv(0.5) is None
 
 
+def test_a_listener_does_not_let_time_pass(bus: can.BusABC) -> None:
+    assert isinstance(bus, NarxBus)
+    seen: list[can.Message] = []
+    with narx.Drive(bus) as drive, can.Bus(interface="narx", channel="test_a_listener_does_not_let_time_pass", realtime=False) as other:
+        drive.start(2000)
+        notifier = can.Notifier(other, [seen.append], timeout=0.01)
+        try:
+            before = bus.time
+            # The drive would be in Fault after 1 s without a set-point.
+            time.sleep(0.2)
+            assert bus.time == before
+            drive.wait(2.0)
+            assert drive.state is narx.State.HALL_CLOSED_LOOP and not drive.faults
+        finally:
+            notifier.stop()
+        passed = [narx.decode(message) for message in seen]
+        assert {"MOTOR_CMD", "STATUS_WORD"} <= {message.name for message in passed if message is not None}
+
+
+def test_each_master_sends_while_another_one_waits() -> None:
+    options = OPTIONS | {"channel": "two masters", "realtime": False, "tx_drivers": [2]}
+    with can.Bus(interface="narx", **options) as bus, can.Bus(interface="narx", channel="two masters", realtime=False) as other:
+        with narx.Drive(bus) as drive, narx.TxDriver(other, 2) as tx:
+            drive.start(2000)
+            tx.start()
+            assert len(tx.record(5.0, period=0.01)) > 400
+            drive.wait(0.1)
+            assert drive.state is narx.State.HALL_CLOSED_LOOP and not drive.faults
+        # Without a master time passes again while anybody receives.
+        assert isinstance(other, NarxBus)
+        before = other.time
+        while other.recv(0.0) is not None:
+            pass
+        assert other.recv(1.0) is not None and other.time > before
+
+
+def test_a_drive_and_a_listener_do_not_share_a_bus(bus: can.BusABC) -> None:
+    notifier = can.Notifier(bus, [], timeout=0.01)
+    try:
+        with pytest.raises(narx.RefusedError, match="a can.Notifier reads this bus: without realtime the drive and a listener need a can.Bus each"):
+            narx.Drive(bus)
+    finally:
+        notifier.stop()
+
+
 def test_a_calibration_is_waited_for_on_a_bus_too(bus: can.BusABC) -> None:
     # On a bus the master does not know the state between a status word and the answer about the exact state.
     drive = narx.Drive(bus, read_parameters=False)
@@ -76,6 +121,8 @@ def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
     ("options", "message"),
     [
         ({"bitrate": 250_000}, "bitrate 250000: the drive's bus has 500000"),
+        ({"moter": "bly172s-24v"}, 'there is no option "moter"; did you mean "motor".*; there are channel, .*, tx_drivers$'),
+        ({"fd": True}, "fd True: the drive's bus has no CAN FD"),
         ({"motor": "nema17"}, 'there is no preset "nema17"'),
         ({"supply_voltage": 12.0}, "supply voltage 12 V is outside 18 to 60 V"),
     ],
@@ -83,6 +130,13 @@ def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
 def test_a_bus_that_cannot_be(options: dict[str, Any], message: str) -> None:
     with pytest.raises(can.CanInitializationError, match=message):
         can.Bus(interface="narx", channel="cannot be", **options)
+
+
+def test_options_of_every_bus_of_python_can_are_allowed() -> None:
+    # `python -m can.logger` passes them to whatever interface it opens.
+    generic: dict[str, Any] = {"single_handle": True, "fd": False, "data_bitrate": None, "timing": None, "can_filters": None}
+    with can.Bus(interface="narx", channel="generic", bitrate=500_000, realtime=False, **generic, **OPTIONS) as bus:
+        assert bus.recv(1.0) is not None
 
 
 def test_the_clock_paces_a_real_time_bus() -> None:

@@ -182,12 +182,16 @@ REFUSED = [
     (["params", "set", "٧٨", "8"], 'narx: there is no parameter "٧٨"'),
     (["scope", "Duti"], 'narx: there is no scope signal "Duti"; did you mean "Duty"'),
     (["scope", "Duty", "--trigger", "sometimes"], "must be now, fault, state"),
+    (["start", "1500", "--seconds", "nan"], "narx: seconds NaN s: must be a finite number, 0 or more"),
+    (["monitor", "--seconds", "-1"], "narx: seconds -1 s: must be a finite number, 0 or more"),
+    (["params", "diff", __file__], "is not a parameter file: "),
     (["decode", "/nowhere.log"], "narx: "),
     (["bench", "--tcp", "nowhere"], "narx: tcp 127.0.0.1:nowhere: must be a port, or HOST:PORT"),
     (["bench", "--tcp", "0", "--speed", "1000"], "narx: speed 1000: must be a number from 0.01 to 100"),
     (["bench", "--tx-drivers", "2,2"], "narx: tx_drivers 2,2: must be different node-ids from 1 to 127"),
     (["bench", "--link", "x"], "x: needs --pty"),
     (["sweep", "--set", "resistence=1"], 'narx: there is no "resistence" to vary; did you mean "resistance"'),
+    (["sweep", "--set", "rpm=1:2:1000000000"], "rpm=1:2:1000000000: COUNT must be from 1 to"),
     (["sweep", "--set", "rpm"], "rpm: must be NAME=VALUE,VALUE"),
     (["sweep", "grid.yaml"], '".yaml" must be .toml or .json'),
     (["sweep", *SWEEP, "--to", "table.txt"], '".txt" must be one of .csv, .parquet, .xlsx'),
@@ -200,6 +204,55 @@ def test_an_error_is_one_line_and_exit_code_2(arguments: list[str], message: str
     refused = run(*arguments)
     assert refused.returncode == 2 and message in " ".join(refused.stderr.split()), refused.stderr
     assert "Traceback" not in refused.stderr
+
+
+UNOPENED = [
+    (["-i", "bogus"], 'narx: there is no interface "bogus"; there are '),
+    (["-i", "slcam"], 'narx: there is no interface "slcam"; did you mean "slcan"'),
+    (["-i", "kvaser", "-c", "0"], 'narx: interface "kvaser", channel 0: '),
+    (["-i", "slcan", "-c", "/nowhere"], 'narx: interface "slcan", channel /nowhere: '),
+    (["-i", "narx", "-c", "unopened", "-o", "moter=1"], 'narx: interface "narx", channel unopened: there is no option "moter"'),
+    (["-i", "narx", "-c", "unopened", "-o", "supply_voltage=12"], "narx: supply voltage 12 V is outside 18 to 60 V"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), UNOPENED, ids=[" ".join(arguments) for arguments, _ in UNOPENED])
+def test_an_adapter_that_cannot_be_opened_is_told_in_one_line(arguments: list[str], message: str) -> None:
+    told = run(*arguments, "info", virtual=False)
+    # Drivers of python-can may print warnings of their own before.
+    assert told.returncode == 2 and told.stderr.splitlines()[-1].startswith(message), told.stderr
+    assert "Traceback" not in told.stderr
+
+
+def test_a_serial_adapter_without_pyserial_names_its_extra() -> None:
+    program = "import sys; sys.modules['serial'] = None; import narx.cli; narx.cli.main()"
+    command = [sys.executable, "-c", program, "-i", "slcan", "-c", "/nowhere", "info"]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 2 and "it needs pyserial: pip install 'narx[can]'" in told.stderr
+
+
+@pytest.mark.parametrize("command", [["decode"], ["decode", "--json"], ["decode", "--csv"]])
+def test_a_reader_that_has_enough_is_no_failure(command: list[str], tmp_path: Path) -> None:
+    file = tmp_path / "long.log"
+    file.write_text("(1.5) can0 1552A8CA#0708000100020003\n" * 20_000)
+    program = [sys.executable, "-c", "import narx.cli; narx.cli.main()", *command, str(file)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stderr is not None
+        assert process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(30) == 0 and process.stderr.read() == ""
+
+
+def test_a_log_is_read_from_the_standard_input() -> None:
+    command = [sys.executable, "-c", "import narx.cli; narx.cli.main()", "decode", "-"]
+    text = "(3.5) can0 182#00000008\n(0.5) can0 182#00000008\nno frame\n"
+    told = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+    assert told.stdout == "3.500000 <- PDO1: Node 2, Position 1 1.0 mm\n0.500000 <- PDO1: Node 2, Position 1 1.0 mm\n"
+    assert told.stderr.startswith('narx: the clock of "-" jumps back once: `laps` has each part\nnarx: -:3: ') and told.returncode == 1
+
+
+def test_the_version_is_printed() -> None:
+    assert run("--version", virtual=False).stdout == f"narx {narx.__version__}\n"
 
 
 class Served:
@@ -235,7 +288,7 @@ def test_bench_serves_unmodified_tools(tmp_path: Path) -> None:
     link = tmp_path / "narx"
     with Served("--tx-drivers", "2,5:dual", "--pty", "--link", str(link)) as served:
         assert served.doors["pty"] == str(link) and link.is_symlink()
-        assert [note.split(", eddyCAN")[0] for note in served.doors["notes"]] == [
+        assert [note.split(", eddyCAN")[0] for note in served.doors["notes"][-2:]] == [
             "TX-Driver: node-id 2, 1 channel of 2 mm, encoder on the shaft",
             "TX-Driver: node-id 5, 2 channels of 2 mm, encoder on the shaft",
         ]

@@ -122,9 +122,9 @@ def test_what_is_no_such_log_says_so(tmp_path: Path) -> None:
 
 REFUSED = [
     ({}, "run.txt", 'path ".*run.txt": No read support for unknown log format ".txt"'),
-    ({"slave": 256}, "run.log", "slave 256: must be a whole number from 0 to 255, or None"),
+    ({"slave": 256}, "run.log", "slave 256: must be a whole number from 0 to 255"),
     ({"monitor": -1}, "run.log", "monitor -1: must be"),
-    ({"encoders": [0]}, "run.log", "encoders 0: must be whole numbers from 1 to 127"),
+    ({"encoders": [0]}, "run.log", "encoders 0: must be a whole number from 1 to 127"),
 ]
 
 

@@ -202,3 +202,21 @@ def test_speed_is_what_the_control_mode_uses(tmp_path: Path) -> None:
 def narx_id() -> str:
     """Returns the digits of the drive's identifiers before type and opcode."""
     return f"{DATABASE.get_message_by_name('STATUS_WORD').frame_id:08X}"[:6]
+
+
+def test_a_clock_that_jumps_back_begins_a_lap(tmp_path: Path) -> None:
+    voltage = "1552A8CA#0708000100020003"
+    file = tmp_path / "twice.log"
+    stamps = (100.0, 101.0, 102.0, 0.5, 1.5, 1.4, 2.5)
+    lines = [f"({stamp}) can0 {voltage}" for stamp in stamps]
+    file.write_text("\n".join([*lines[:3], "(102.5) can0 182#00000008", *lines[3:]]) + "\n")
+    with pytest.warns(narx.NarxWarning, match=f'the clock of "{file}" jumps back once: `laps` has each part'):
+        log = narx.read_log(file)
+    assert [len(lap) for lap in log.laps] == [4, 4] and log.laps[0].counts == {"MEASUREMENT_2": 3, "PDO1": 1}
+    assert log.laps[1]["HV Voltage"].time.tolist() == [0.5, 1.5, 1.4, 2.5] and len(log.laps[1].laps) == 1
+    table = log.to_pandas("HV Voltage", "Position 1")
+    # The lap's own order is that of its clock; a lap without a signal has no value of it.
+    assert table["time"].tolist() == [100.0, 101.0, 102.0, 102.5, 0.5, 1.4, 1.5, 2.5]
+    assert table["lap"].tolist() == [0] * 4 + [1] * 4
+    assert table["Position 1"].isna().tolist() == [True] * 3 + [False] + [True] * 4 and table["HV Voltage"].notna().all()
+    assert len(log.to_pandas("HV Voltage", period=0.5)) == 5 + 5

@@ -1,6 +1,7 @@
 """Sweeps: the table is the same on every executor, and every variant can be repeated bit for bit."""
 
 import importlib.util
+import itertools
 import pickle
 import sys
 import threading
@@ -169,6 +170,19 @@ def test_a_start_that_fails_is_a_result() -> None:
     assert narx.replay(swept.failures.replay(3).recording()).identical
 
 
+def test_a_set_point_that_the_drive_clamps_is_an_outcome() -> None:
+    swept = narx.sweep(BENCH | {"rpm": [20_000, -20_000, 2000], "seconds": 0.5})
+    most = round(narx.Motor.preset(BENCH["motor"]).operating_range(18.0, "hall").speed_max)
+    assert swept["setpoint"].tolist() == [20_000, -20_000, 2000] and swept["accepted"].tolist() == [most, -most, 2000]
+    assert swept["outcome"].tolist() == ["clamped", "clamped", "running"] and swept.failures["variant"].tolist() == [0, 1]
+    assert swept.units["accepted"] == "rpm"
+
+
+def test_a_function_that_ends_the_program_ends_its_own_variant() -> None:
+    swept = narx.sweep(lambda variant: sys.exit(3) if variant.index == 1 else variant.index, grid={"a": range(3)})
+    assert swept["outcome"].tolist() == ["ok", "error", "ok"] and swept["error"][1] == "SystemExit: 3"
+
+
 def test_a_fault_comes_when_it_is_to() -> None:
     swept = narx.sweep(BENCH | {"rpm": 1500, "fault": "hall-supply-lost", "fault_time": [0.2, 0.4], "seconds": 0.5})
     for number, time in enumerate((0.2, 0.4)):
@@ -236,10 +250,15 @@ REFUSALS: list[tuple[Callable[[], object], str]] = [
         'there is no "Motor pair pole" to vary; did you mean "Motor pair poles"',
     ),
     (lambda: narx.sweep({"rpm": []}), '"rpm" has no values to vary'),
+    (lambda: narx.sweep({"rpm": [1000, float("nan")]}), '"rpm" nan: must not be NaN; None is a value that is not given'),
+    (lambda: narx.sweep(abs, grid={"rpm": np.array([np.nan])}), '"rpm" nan: must not be NaN'),  # type: ignore[arg-type]
+    (lambda: narx.sweep({"rpm": range(40_000), "supply_voltage": range(25_000)}), "1000000000 variants: must be at most 10000000"),
+    (lambda: narx.sweep({"rpm": itertools.count()}), "10000001 variants: must be at most 10000000"),
+    (lambda: narx.sweep([{"rpm": 1}], samples=10**9), "1000000000 variants: must be at most 10000000"),
     (lambda: narx.sweep([]), "the grid has no variant"),
     (lambda: narx.sweep([3]), "variant 3: must be a mapping"),  # type: ignore[list-item]
     (lambda: narx.sweep({"rpm": 1}, samples=0), "samples 0: must be a whole number, 1 or more"),
-    (lambda: narx.sweep({"rpm": 1}, seed=-1), "seed -1: must be a whole number, 0 or more"),
+    (lambda: narx.sweep({"rpm": 1}, seed=-1), "seed -1: must be a whole number from 0 to 18446744073709551615"),
     (lambda: narx.sweep({"rpm": 1}, chunk=0), "chunk 0: must be a whole number, 1 or more"),
     (lambda: narx.sweep({"rpm": 1}, grid={"rpm": 1}), "grid: only together with a function"),
 ]

@@ -99,10 +99,11 @@ def test_another_address(tx: narx.TxDriver) -> None:
     ("key", "value", "message"),
     [
         ("Update Tim", 1, 'there is no object "Update Tim"; did you mean "Update Time"'),
-        (0x3000, 1, "there is no object 3000h"),
+        (0x3000, 1, "there is no object 3000h$"),
+        (0x1000, 1, "there is no object 1000h; eddyCAN has no communication profile: a TX-Driver has 2000h to 2100h"),
         ((0x2007, 3), 1, "there is no object 2007h, 0003h"),
-        ("Update Time", 1.5, 'object 2003h "Update Time" 1.5: must be a whole number from 0 to 65535 ms'),
-        ("Comparator 1", 1.1, 'object 2007h "Comparator 1" 1.1: must be from 0 to 1'),
+        ("Update Time", 1.5, 'object 2003h "Update Time" 1.5 ms: must be a whole number from 0 to 65535 ms'),
+        ("Comparator 1", 1.1, 'object 2007h "Comparator 1" 1.1: must be a number from 0 to 1'),
         ("Filter 1", "no", "object 2006h \"Filter 1\" 'no': must be a whole number from 0 to 4"),
     ],
 )

@@ -47,7 +47,7 @@ def test_a_sensor_is_read_beside_a_turning_motor() -> None:
         ({"node_id": 128}, "node_id 128: must be a whole number from 1 to 127"),
         ({"node_id": 2}, "node_id 2: there is a TX-Driver of this node-id already"),
         ({"node_id": 3, "channels": 3}, "channels 3: must be 1 or 2"),
-        ({"node_id": 3, "encoder": 0}, "encoder 0: must be a number of counts from 1 to 65535"),
+        ({"node_id": 3, "encoder": 0}, "encoder 0: must be a whole number from 1 to 65535"),
         ({"node_id": 3, "measuring_range": 20.0}, "measuring range 20 mm: must be from 0.01 to 15.9 mm"),
     ],
 )

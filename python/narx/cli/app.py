@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -10,14 +12,31 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 import narx
 
 HELP = "The command `narx`: what the package does, from a shell."
 EXIT_CODES = "Exit codes: 0 done; 1 done, with a difference or a failure in what was looked at; 2 an error, told in one line; 130 Ctrl-C."
 
+class Group(TyperGroup):
+    """The commands. One whose reader has closed the pipe (`| head`) ends well."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs a command."""
+        try:
+            try:
+                return super().invoke(ctx)
+            finally:
+                sys.stdout.flush()
+        except BrokenPipeError:
+            # What is left in the buffer is flushed at the end of the program.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
+
+
 app = typer.Typer(
-    no_args_is_help=True, rich_markup_mode="markdown", pretty_exceptions_enable=False, help=HELP, epilog=EXIT_CODES
+    cls=Group, no_args_is_help=True, rich_markup_mode="markdown", pretty_exceptions_enable=False, help=HELP, epilog=EXIT_CODES
 )
 out, err = Console(), Console(stderr=True)
 
@@ -53,6 +72,13 @@ class Connection:
     options: dict[str, Any] = {}  # noqa: RUF012
 
 
+def print_version(wanted: bool) -> None:
+    """Prints the version and ends."""
+    if wanted:
+        print(f"narx {narx.__version__}")
+        raise typer.Exit
+
+
 @app.callback()
 def connection(
     interface: Annotated[str, typer.Option("-i", "--interface", help="Interface of python-can.")] = "socketcan",
@@ -64,6 +90,9 @@ def connection(
     option: Annotated[
         list[str] | None, typer.Option("-o", "--option", help="Further NAME=VALUE of the interface.")
     ] = None,
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=print_version, help="Print the version and end.")
+    ] = False,
 ) -> None:
     """Operates narx drives, on any adapter that python-can knows.
 

@@ -13,11 +13,12 @@ from rich.table import Table
 
 import narx
 from narx.cli.app import JSON, app, err, examples, out
+from narx.log_file import read_candump
 
 
-@app.command(epilog=examples("narx decode bus.log", "narx decode --summary bus.blf", "narx decode --csv bus.log > values.csv"))
+@app.command(epilog=examples("narx decode bus.log", "narx decode --summary bus.blf", "narx decode --csv bus.log > values.csv", "candump -L -n 100 can0 | narx decode -"))
 def decode(
-    path: Annotated[Path, typer.Argument(help="A log of frames.")],
+    path: Annotated[Path, typer.Argument(help="A log of frames; - reads candump text from the standard input.")],
     as_json: Annotated[bool, JSON] = False,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a row for each value: time, message, signal, value, unit.")] = False,
     summary: Annotated[bool, typer.Option("--summary", help="Print a table of the messages alone.")] = False,
@@ -27,7 +28,11 @@ def decode(
 ) -> None:
     """Decodes a log of CAN frames (candump, ASC, BLF, CSV, ...), a line for each message. Lines that are
     no frame are printed to the error output; the exit code is then 1."""
-    found = narx.read_log(path, slave=None, monitor=None, encoders=encoder or ())
+    nodes = encoder or ()
+    if str(path) == "-":
+        found = read_candump(sys.stdin.buffer.read(), None, None, nodes)
+    else:
+        found = narx.read_log(path, slave=None, monitor=None, encoders=nodes)
     if summary:
         print(json.dumps(summary_of(found))) if as_json else out.print(table_of_log(found))
     elif as_csv:

@@ -11,6 +11,7 @@ from rich.live import Live
 from rich.table import Table
 
 import narx
+from narx import given
 from narx.cli.app import JSON, app, connected, examples, out
 from narx.drive import name_of
 
@@ -36,6 +37,8 @@ def monitor(
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Shows state, faults and measurements, live."""
+    if seconds is not None:
+        given.seconds(seconds)
     with connected() as drive:
         if as_json:
             drive.wait(1.0 if seconds is None else seconds)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from contextlib import suppress
 from typing import Annotated
 
 import typer
 
 import narx
+from narx import given
 from narx.cli.app import JSON, app, connected, examples, out
 from narx.drive import name_of
 
@@ -20,19 +22,20 @@ STOP_MAX = 10.0
 def start(
     rpm: Annotated[float, typer.Argument(help="Speed, rpm; for reverse, --reverse.")],
     reverse: Annotated[bool, typer.Option("--reverse", help="Turn in reverse.")] = False,
-    seconds: Annotated[float | None, typer.Option(min=0.0, help="Stops after this time, s; else at Ctrl-C.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Stops after this time, s; else at Ctrl-C.")] = None,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Starts the motor, runs it, and stops it at the end.
 
     A drive stops by itself when its master falls silent, so this command stays until Ctrl-C.
     """
+    timeout = math.inf if seconds is None else given.seconds(seconds)
     with connected() as drive:
         drive.start(-rpm if reverse else rpm)
         try:
             tell(drive, as_json)
             with suppress(KeyboardInterrupt):
-                drive.wait(float("inf") if seconds is None else seconds)
+                drive.wait_for(lambda: False, timeout)
         finally:
             rest(drive)
 

@@ -13,6 +13,7 @@ from rich.table import Table
 
 import narx
 from narx.cli.app import JSON, app, connected, examples, out
+from narx.parameters import read_file
 
 params = typer.Typer(no_args_is_help=True, help="Parameters of a drive: get, set, dump, load and compare.")
 app.add_typer(params, name="params")
@@ -108,7 +109,7 @@ def params_load(path: Path, store: Annotated[bool, typer.Option("--store")] = Fa
 def params_diff(path: Path, as_json: Annotated[bool, JSON] = False) -> None:
     """Compares the drive with a file of `dump`; exit code 1 when they differ."""
     with connected() as drive:
-        found = drive.parameters.diff(json.loads(path.read_text(encoding="utf-8")))
+        found = drive.parameters.diff(read_file(path))
     if as_json:
         print(json.dumps(found))
     else:

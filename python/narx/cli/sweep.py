@@ -16,7 +16,7 @@ import narx
 from narx import table
 from narx.cli.app import JSON, MODE, MOTOR, SUPPLY, app, err, examples, out
 from narx.tasks import Start
-from narx.variants import check, expand, points_of
+from narx.variants import VARIANTS_MAX, check, expand, points_of
 
 SHOWN = 10
 """Largest number of failures that are listed."""
@@ -113,9 +113,12 @@ def setting(text: str) -> tuple[str | int, list[Any]]:
     first, *rest = values.split(":")
     if len(rest) == 2:
         try:
-            return key, np.linspace(float(first), float(rest[0]), int(rest[1])).tolist()
+            begin, end, count = float(first), float(rest[0]), int(rest[1])
         except ValueError:
             raise typer.BadParameter(f"{text}: FIRST:LAST:COUNT must be numbers", param_hint="--set") from None
+        if not 1 <= count <= VARIANTS_MAX:
+            raise typer.BadParameter(f"{text}: COUNT must be from 1 to {VARIANTS_MAX}", param_hint="--set")
+        return key, np.linspace(begin, end, count).tolist()
     return key, [value_of(value) for value in values.split(",")]
 
 

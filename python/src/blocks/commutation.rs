@@ -1,8 +1,8 @@
 //! Six-step commutation.
 
-use super::{Column, direction, member, numbers, same_length, step};
+use super::{Column, direction, member, numbers, reals, same_length, step};
 use crate::coefficients::constant;
-use crate::error;
+use crate::error::{self, Given};
 use crate::state::words;
 use narx_core::blocks::engineering::{ADVANCE, instant, position};
 use narx_core::blocks::{Commutation as Core, CommutationSettings};
@@ -32,11 +32,11 @@ pub(crate) struct Commutation {
 #[pymethods]
 impl Commutation {
     #[new]
-    #[pyo3(signature = (tick_rate=10_000, advance=0.0, earliest=0.125))]
-    fn new(tick_rate: u32, advance: f64, earliest: f64) -> PyResult<Self> {
-        if !(1..=1_000_000).contains(&tick_rate) {
-            return Err(error::parameter(format!("tick_rate {tick_rate} Hz: must be from 1 to 1000000")));
-        }
+    #[pyo3(signature = (tick_rate=Given::Whole(10_000), advance=Given::Real(0.0), earliest=Given::Real(0.125)),
+           text_signature = "(tick_rate=10000, advance=0.0, earliest=0.125)")]
+    fn new(tick_rate: Given, advance: Given, earliest: Given) -> PyResult<Self> {
+        let tick_rate = error::whole("tick_rate", tick_rate, "Hz", 1, 1_000_000)?;
+        let [advance, earliest] = reals([("advance", advance), ("earliest", earliest)])?;
         let core = numbers(|| {
             let advance_cdeg = ADVANCE.setting("advance", advance)?;
             let earliest = instant("earliest", earliest)?;
@@ -57,7 +57,14 @@ impl Commutation {
     /// periods, step). angle: electrical degrees at the period's boundary. speed: electrical rev/s, negative
     /// in reverse. reverse: torque in reverse.
     #[pyo3(signature = (angle, speed, reverse=false))]
-    fn step<'py>(&mut self, py: Python<'py>, angle: f64, speed: f64, reverse: bool) -> PyResult<Answer<'py>> {
+    fn step<'py>(
+        &mut self,
+        py: Python<'py>,
+        angle: Given,
+        speed: Given,
+        reverse: bool,
+    ) -> PyResult<Answer<'py>> {
+        let [angle, speed] = reals([("angle", angle), ("speed", speed)])?;
         let position = position(angle, speed, self.tick_rate).map_err(error::parameter)?;
         let (step, changes) = self.core.step(position, direction(reverse));
         let change = |instant: u16, step| Ok((f64::from(instant) / 65_536.0, member(py, step)?));
@@ -94,16 +101,14 @@ impl Commutation {
     /// Returns the step that gives torque to a rotor in `sector`, 0 to 5.
     #[staticmethod]
     #[pyo3(signature = (sector, reverse=false))]
-    fn for_sector(py: Python<'_>, sector: u8, reverse: bool) -> PyResult<Bound<'_, PyAny>> {
-        if sector > 5 {
-            return Err(error::parameter(format!("sector {sector}: must be a whole number from 0 to 5")));
-        }
+    fn for_sector(py: Python<'_>, sector: Given, reverse: bool) -> PyResult<Bound<'_, PyAny>> {
+        let sector = error::whole("sector", sector, "", 0, 5)?;
         member(py, Step::for_sector(sector, direction(reverse)))
     }
 
     /// Returns the actions of a step on the legs A, B and C: "floating", "low" or "switched".
     #[staticmethod]
-    fn legs(step: u8) -> PyResult<(String, String, String)> {
+    fn legs(step: Given) -> PyResult<(String, String, String)> {
         let [a, b, c] = self::step(step)?.legs().map(|leg| words(&leg));
         Ok((a, b, c))
     }

@@ -1,8 +1,8 @@
 //! Hall sensors.
 
-use super::{Column, numbers, same_length};
+use super::{Column, numbers, reals, same_length};
 use crate::coefficients::constant;
-use crate::error;
+use crate::error::{self, Given};
 use narx_core::blocks::engineering::{HALL_OFFSET, HALL_TIMEOUT, degrees, instant, raw, real};
 use narx_core::blocks::{Hall as Core, HallReading as Reading, HallSettings};
 use narx_core::motor::{Edge, EdgeSource};
@@ -55,16 +55,23 @@ pub(crate) struct HallReading {
 #[pymethods]
 impl Hall {
     #[new]
-    #[pyo3(signature = (tick_rate=10_000, order=0, polarity=0, offset=0.0, timeout=0.1, interpolation_min=1.0, captured=false))]
+    #[pyo3(signature = (tick_rate=Given::Whole(10_000), order=Given::Whole(0), polarity=Given::Whole(0), offset=Given::Real(0.0),
+                        timeout=Given::Real(0.1), interpolation_min=Given::Real(1.0), captured=false),
+           text_signature = "(tick_rate=10000, order=0, polarity=0, offset=0.0, timeout=0.1, interpolation_min=1.0, captured=False)")]
     fn new(
-        tick_rate: u32,
-        order: u8,
-        polarity: u8,
-        offset: f64,
-        timeout: f64,
-        interpolation_min: f64,
+        tick_rate: Given,
+        order: Given,
+        polarity: Given,
+        offset: Given,
+        timeout: Given,
+        interpolation_min: Given,
         captured: bool,
     ) -> PyResult<Self> {
+        let [offset, timeout, interpolation_min] =
+            reals([("offset", offset), ("timeout", timeout), ("interpolation_min", interpolation_min)])?;
+        let tick_rate = error::whole("tick_rate", tick_rate, "Hz", 0, u32::MAX)?;
+        let order = error::whole("order", order, "", 0, 5)?;
+        let polarity = error::whole("polarity", polarity, "", 0, 7)?;
         let core = numbers(|| {
             let floor = raw("interpolation_min", interpolation_min, "rev/s")?;
             Ok(Core::build(&HallSettings {
@@ -91,7 +98,8 @@ impl Hall {
     /// Runs one tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: those of the period that
     /// has ended, oldest first, each (instant in periods, code after it); only the first four count.
     #[pyo3(signature = (code, edges=None))]
-    fn step(&mut self, code: u8, edges: Option<Vec<(f64, u8)>>) -> PyResult<HallReading> {
+    fn step(&mut self, code: Given, edges: Option<Vec<(f64, u8)>>) -> PyResult<HallReading> {
+        let code = error::whole("code", code, "", 0, 7)?;
         let edges: PyResult<Vec<Edge>> = edges
             .unwrap_or_default()
             .into_iter()

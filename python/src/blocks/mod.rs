@@ -13,7 +13,7 @@ pub(crate) use pi::Pi;
 pub(crate) use ramp::Ramp;
 pub(crate) use zero_crossing::{ZeroCrossing, ZeroCrossingReading};
 
-use crate::error;
+use crate::error::{self, Given};
 use narx_core::blocks::engineering::{NumberError, raw};
 use narx_core::motor::{Direction, Step};
 use numpy::{AllowTypeChange, PyArrayLike1};
@@ -30,6 +30,15 @@ fn raws(name: &str, values: &Column<'_>) -> PyResult<Vec<i32>> {
     values.iter().enumerate().map(row).collect()
 }
 
+/// Converts scalars to finite numbers; each is given with its name.
+fn reals<const N: usize>(given: [(&str, Given); N]) -> PyResult<[f64; N]> {
+    let mut reals = [0.0; N];
+    for (real, (name, given)) in reals.iter_mut().zip(given) {
+        *real = error::finite(name, given, "")?;
+    }
+    Ok(reals)
+}
+
 /// Runs what takes numbers; one that is out of range becomes a ParameterError, which names it.
 fn numbers<'a, T>(run: impl FnOnce() -> Result<T, NumberError<'a>>) -> PyResult<T> {
     run().map_err(error::parameter)
@@ -40,10 +49,9 @@ const fn direction(reverse: bool) -> Direction {
 }
 
 /// Returns the step with this number.
-fn step(number: u8) -> PyResult<Step> {
-    let most = Step::ALL.len() - 1;
-    let found = Step::ALL.get(usize::from(number)).copied();
-    found.ok_or_else(|| error::parameter(format!("step {number}: must be a whole number from 0 to {most}")))
+fn step(number: impl Into<Given>) -> PyResult<Step> {
+    let number: u8 = error::whole("step", number, "", 0, Step::ALL.len() as u8 - 1)?;
+    Ok(Step::ALL[usize::from(number)])
 }
 
 /// Builds `narx.blocks.Step`: an `IntEnum` with core's numbers.

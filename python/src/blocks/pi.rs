@@ -1,7 +1,8 @@
 //! The PI controller.
 
-use super::{Column, numbers, raws};
+use super::{Column, numbers, raws, reals};
 use crate::coefficients::constant;
+use crate::error::{self, Given};
 use narx_core::blocks::engineering::{gain, raw, real, value_of};
 use narx_core::blocks::{Pi as Core, PiSettings};
 use narx_core::motor::gain::Gain;
@@ -28,7 +29,20 @@ pub(crate) struct Pi {
 impl Pi {
     #[new]
     #[pyo3(signature = (proportional, integral, step_rate, minimum, maximum))]
-    fn new(proportional: f64, integral: f64, step_rate: u32, minimum: f64, maximum: f64) -> PyResult<Self> {
+    fn new(
+        proportional: Given,
+        integral: Given,
+        step_rate: Given,
+        minimum: Given,
+        maximum: Given,
+    ) -> PyResult<Self> {
+        let [proportional, integral, minimum, maximum] = reals([
+            ("proportional", proportional),
+            ("integral", integral),
+            ("minimum", minimum),
+            ("maximum", maximum),
+        ])?;
+        let step_rate = error::whole("step_rate", step_rate, "Hz", 1, 1_000_000)?;
         numbers(|| {
             let proportional = gain("proportional", proportional)?;
             let core = Core::build(&PiSettings {
@@ -51,7 +65,8 @@ impl Pi {
     }
 
     /// Returns the output for one `error`.
-    fn step(&mut self, error: f64) -> PyResult<f64> {
+    fn step(&mut self, error: Given) -> PyResult<f64> {
+        let [error] = reals([("error", error)])?;
         numbers(|| Ok(real(self.core.step(raw("error", error, "")?))))
     }
 
@@ -68,14 +83,16 @@ impl Pi {
     /// integrator goes an eighth of the way to the value that would have given `applied` (back-calculation),
     /// so that the controller takes over again without a bump.
     #[pyo3(signature = (applied, error))]
-    fn track(&mut self, applied: f64, error: f64) -> PyResult<()> {
+    fn track(&mut self, applied: Given, error: Given) -> PyResult<()> {
+        let [applied, error] = reals([("applied", applied), ("error", error)])?;
         let (applied, error) = numbers(|| Ok((raw("applied", applied, "")?, raw("error", error, "")?)))?;
         self.core.track(applied, error);
         Ok(())
     }
 
     /// Sets the integrator so that it alone gives `output`.
-    fn hold(&mut self, output: f64) -> PyResult<()> {
+    fn hold(&mut self, output: Given) -> PyResult<()> {
+        let [output] = reals([("output", output)])?;
         numbers(|| raw("output", output, "").map(|output| self.core.hold(output)))
     }
 

@@ -1,7 +1,8 @@
 //! The ramp.
 
-use super::{Column, numbers, raws};
+use super::{Column, numbers, raws, reals};
 use crate::coefficients::constant;
+use crate::error::{self, Given};
 use narx_core::blocks::engineering::{raw, real};
 use narx_core::blocks::{Ramp as Core, RampSettings};
 use numpy::{IntoPyArray, PyArray1};
@@ -23,8 +24,10 @@ pub(crate) struct Ramp {
 #[pymethods]
 impl Ramp {
     #[new]
-    #[pyo3(signature = (rate, step_rate, value=0.0))]
-    fn new(rate: f64, step_rate: u32, value: f64) -> PyResult<Self> {
+    #[pyo3(signature = (rate, step_rate, value=Given::Real(0.0)), text_signature = "(rate, step_rate, value=0.0)")]
+    fn new(rate: Given, step_rate: Given, value: Given) -> PyResult<Self> {
+        let [rate, value] = reals([("rate", rate), ("value", value)])?;
+        let step_rate = error::whole("step_rate", step_rate, "Hz", 1, 1_000_000)?;
         numbers(|| {
             let mut core = Core::build(&RampSettings { rate: raw("rate", rate, "")?, step_rate })?;
             core.set(raw("value", value, "")?);
@@ -41,7 +44,8 @@ impl Ramp {
     }
 
     /// Moves one step towards `target`; returns the new value.
-    fn step(&mut self, target: f64) -> PyResult<f64> {
+    fn step(&mut self, target: Given) -> PyResult<f64> {
+        let [target] = reals([("target", target)])?;
         numbers(|| Ok(real(self.core.step(raw("target", target, "")?))))
     }
 
@@ -61,7 +65,8 @@ impl Ramp {
     }
 
     #[setter]
-    fn set_value(&mut self, value: f64) -> PyResult<()> {
+    fn set_value(&mut self, value: Given) -> PyResult<()> {
+        let [value] = reals([("value", value)])?;
         numbers(|| raw("value", value, "").map(|value| self.core.set(value)))
     }
 

@@ -1,8 +1,8 @@
 //! Zero crossings.
 
-use super::{Column, direction, numbers, same_length, step};
+use super::{Column, direction, numbers, reals, same_length, step};
 use crate::coefficients::constant;
-use crate::error;
+use crate::error::{self, Given};
 use crate::state::words;
 use narx_core::blocks::engineering::{
     ADVANCE, BACK_EMF, BLANKING, Scale, VOLTS_PER_CODE, degrees, instant, real, turn,
@@ -68,20 +68,34 @@ pub(crate) struct ZeroCrossingReading {
 #[pymethods]
 impl ZeroCrossing {
     #[new]
-    #[pyo3(signature = (tick_rate=10_000, volts_per_code=0.019_531, noise_codes=4, blanking=200e-6, advance=0.0, earliest=0.125,
-                        back_emf=0.0, pole_pairs=1, timeout=0.05))]
+    #[pyo3(signature = (tick_rate=Given::Whole(10_000), volts_per_code=Given::Real(0.019_531), noise_codes=Given::Whole(4),
+                        blanking=Given::Real(200e-6), advance=Given::Real(0.0), earliest=Given::Real(0.125),
+                        back_emf=Given::Real(0.0), pole_pairs=Given::Whole(1), timeout=Given::Real(0.05)),
+           text_signature = "(tick_rate=10000, volts_per_code=0.019531, noise_codes=4, blanking=0.0002, advance=0.0, \
+                             earliest=0.125, back_emf=0.0, pole_pairs=1, timeout=0.05)")]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
-        tick_rate: u32,
-        volts_per_code: f64,
-        noise_codes: u8,
-        blanking: f64,
-        advance: f64,
-        earliest: f64,
-        back_emf: f64,
-        pole_pairs: u16,
-        timeout: f64,
+        tick_rate: Given,
+        volts_per_code: Given,
+        noise_codes: Given,
+        blanking: Given,
+        advance: Given,
+        earliest: Given,
+        back_emf: Given,
+        pole_pairs: Given,
+        timeout: Given,
     ) -> PyResult<Self> {
+        let [volts_per_code, blanking, advance, earliest, back_emf, timeout] = reals([
+            ("volts_per_code", volts_per_code),
+            ("blanking", blanking),
+            ("advance", advance),
+            ("earliest", earliest),
+            ("back_emf", back_emf),
+            ("timeout", timeout),
+        ])?;
+        let tick_rate: u32 = error::whole("tick_rate", tick_rate, "Hz", 0, u32::MAX)?;
+        let noise_codes = error::whole("noise_codes", noise_codes, "", 0, u8::MAX)?;
+        let pole_pairs = error::whole("pole_pairs", pole_pairs, "", 0, u16::MAX)?;
         numbers(|| {
             let micro_per_code = VOLTS_PER_CODE.setting("volts_per_code", volts_per_code)?;
             let channel = Channel { zero: 0, micro_per_code };
@@ -106,7 +120,8 @@ impl ZeroCrossing {
 
     /// Begins to bring up a rotor that rests at `angle`, electrical degrees.
     #[pyo3(signature = (angle, reverse=false))]
-    fn start(&mut self, angle: f64, reverse: bool) -> PyResult<()> {
+    fn start(&mut self, angle: Given, reverse: bool) -> PyResult<()> {
+        let [angle] = reals([("angle", angle)])?;
         numbers(|| turn("angle", angle).map(|turn| self.core.start(turn, direction(reverse))))
     }
 
@@ -127,18 +142,21 @@ impl ZeroCrossing {
     /// that was in force in the period that has ended (`Step`), and its changes in that period as (instant in
     /// periods, step). on_time: sampled in the on-time, else in the off-time. sample_at: instant of the
     /// sample, periods. reverse: torque in reverse.
-    #[pyo3(signature = (phase_voltage, bus_voltage, step, changes=None, on_time=true, sample_at=0.0, reverse=false))]
+    #[pyo3(signature = (phase_voltage, bus_voltage, step, changes=None, on_time=true, sample_at=Given::Real(0.0), reverse=false),
+           text_signature = "($self, phase_voltage, bus_voltage, step, changes=None, on_time=True, sample_at=0.0, reverse=False)")]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn step(
         &mut self,
         phase_voltage: [f64; 3],
-        bus_voltage: f64,
-        step: u8,
+        bus_voltage: Given,
+        step: Given,
         changes: Option<Vec<(f64, u8)>>,
         on_time: bool,
-        sample_at: f64,
+        sample_at: Given,
         reverse: bool,
     ) -> PyResult<ZeroCrossingReading> {
+        let bus_voltage = error::finite("bus_voltage", bus_voltage, "V")?;
+        let [sample_at] = reals([("sample_at", sample_at)])?;
         let mut applied = self.applied(step, on_time)?;
         applied.sample_at = instant("sample_at", sample_at).map_err(error::parameter)?;
         for (at, step) in changes.unwrap_or_default() {
@@ -194,7 +212,7 @@ impl ZeroCrossing {
 }
 
 impl ZeroCrossing {
-    fn applied(&self, step: u8, on_time: bool) -> PyResult<PwmCommand> {
+    fn applied(&self, step: impl Into<Given>, on_time: bool) -> PyResult<PwmCommand> {
         Ok(PwmCommand { step: self::step(step)?, sample_mode: mode(on_time), ..PwmCommand::default() })
     }
 
