@@ -195,8 +195,8 @@ impl Rotor {
         if self.accompanied { self.compared } else { now.after(u32::MAX) }
     }
 
-    /// The terminals show a rotor that turns by `torque`, and the hall sensors contradict themselves or, where
-    /// the two can be compared, the terminals.
+    /// The terminals show a rotor that turns by `torque`, and the hall sensors contradict themselves or,
+    /// where the two can be compared, the terminals.
     pub fn halls_fail(&self, c: &Coefficients, now: Instant, torque: Direction, compares: bool) -> bool {
         let estimator = self.sensorless.estimator();
         if !self.accompanied || !self.sensorless.is_established(&c.sensorless, now) {
