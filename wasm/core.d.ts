@@ -1064,7 +1064,8 @@ export type ParameterName =
     | "Diagnostics"
     | "Scope room"
     | "Scope refusal"
-    | "Automatic store";
+    | "Automatic store"
+    | "Other rotor source";
 
 /** Signals of the measurements. */
 export type MeasurementName =

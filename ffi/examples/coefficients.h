@@ -2,7 +2,7 @@
 
 #include "narx.h"
 
-#if NARX_COEFFICIENTS_VERSION != 10
+#if NARX_COEFFICIENTS_VERSION != 11
 #error "these coefficients were made for another version of narx: make them again"
 #endif
 
@@ -23,6 +23,7 @@ static const narx_coefficients_t coefficients = {
             .offset = 0,
             .bias = 0,
         },
+        .filter = 65536,
     },
     .hall = {
         .sectors = {255, 0, 2, 1, 4, 5, 3, 255},
@@ -30,6 +31,7 @@ static const narx_coefficients_t coefficients = {
         .timeout = 65536000,
         .interpolation_min = 3579137,
         .captured = true,
+        .lost_after = 3,
     },
     .hall_calibration = {
         .speed = 214748,
@@ -58,6 +60,7 @@ static const narx_coefficients_t coefficients = {
             },
             .noise = 4,
             .silence = 4,
+            .settle = 8,
             .discard = 0,
             .earliest = 8192,
             .comparator = false,
@@ -89,6 +92,7 @@ static const narx_coefficients_t coefficients = {
         },
         .timeout = 32768000,
         .rest = 50,
+        .brake = 256,
         .align = 1430,
         .align_rate = 424096563,
         .align_level = 226492,
@@ -145,7 +149,8 @@ static const narx_coefficients_t coefficients = {
         .critical_mask = 4227858558,
         .hall_stall_ticks = 5000,
         .supply_low = 1179648,
-        .ticks_per_ms = 10,
+        .ticks_per_ms = 2560,
+        .invalid_weight = 64,
     },
     .machine = {
         .open_loop_enable = false,
@@ -159,9 +164,11 @@ static const narx_coefficients_t coefficients = {
         .auto_restart = 20000,
         .fault_wait = 5000,
         .command_timeout = 2500,
+        .other_source = false,
     },
     .control = {
-        .ticks_per_ms = 10,
+        .ticks_per_ms = 2560,
+        .track = 8192,
         .current = {
             .proportional = {
                 .mantissa = 863803822,

@@ -52,6 +52,7 @@ enum narx_port_state {
 #define NARX_PORT_IF_STOPPED UINT16_C(0x1000)
 #define NARX_PORT_IF_REVERSAL UINT16_C(0x2000)
 #define NARX_PORT_IF_ACKNOWLEDGED UINT16_C(0x4000)
+#define NARX_PORT_IF_OTHER_SOURCE UINT16_C(0x8000)
 
 /* Table 7: from this state to that one when all of `all` and none of `none` hold. The first row that holds wins. */
 struct narx_port_transition {
@@ -60,7 +61,7 @@ struct narx_port_transition {
     uint_least16_t all;
     uint_least16_t none;
 };
-static const struct narx_port_transition narx_port_transitions[34] = {
+static const struct narx_port_transition narx_port_transitions[36] = {
     {0, 6, 0x0004u, 0x0000u},
     {0, 1, 0x0001u, 0x0000u},
     {1, 6, 0x0002u, 0x0000u},
@@ -83,11 +84,13 @@ static const struct narx_port_transition narx_port_transitions[34] = {
     {4, 1, 0x0008u, 0x0000u},
     {4, 6, 0x0400u, 0x0000u},
     {4, 1, 0x3000u, 0x0000u},
+    {4, 5, 0x9000u, 0x2000u},
     {4, 7, 0x1000u, 0x2000u},
     {5, 6, 0x0002u, 0x0000u},
     {5, 1, 0x0008u, 0x0000u},
     {5, 6, 0x0400u, 0x0000u},
     {5, 1, 0x3000u, 0x0000u},
+    {5, 4, 0x8000u, 0x2000u},
     {6, 1, 0x4000u, 0x0002u},
     {7, 6, 0x0002u, 0x0000u},
     {7, 1, 0x0008u, 0x0000u},
@@ -102,7 +105,7 @@ struct narx_port_fault {
     uint_least16_t code;
     uint_least32_t qualification;
 };
-static const struct narx_port_fault narx_port_faults[24] = {
+static const struct narx_port_fault narx_port_faults[26] = {
     {0x0001u, UINT32_C(100000)}, /* temperature above the warning threshold */
     {0x0101u, UINT32_C(100000)}, /* temperature above the shutdown threshold */
     {0x0201u, UINT32_C(10000)}, /* bus voltage above its threshold; at once when 1 V above */
@@ -114,6 +117,7 @@ static const struct narx_port_fault narx_port_faults[24] = {
     {0x0602u, UINT32_C(0)}, /* hall sectors skipped (5 more than one in 13 ms) */
     {0x0603u, UINT32_C(0)}, /* torque applied at speed 0 (parameter 113) for the stall time (parameter 265) */
     {0x0604u, UINT32_C(0)}, /* hall edges run against the torque: wiring, or a load that drives backwards */
+    {0x0605u, UINT32_C(0)}, /* hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit */
     {0x0701u, UINT32_C(10000)}, /* pressure above its threshold */
     {0x1A01u, UINT32_C(0)}, /* parameter store has another layout */
     {0x1B01u, UINT32_C(0)}, /* hardware break input */
@@ -122,6 +126,7 @@ static const struct narx_port_fault narx_port_faults[24] = {
     {0x1B04u, UINT32_C(0)}, /* the sensorless motor stalls or does not start, five times (one is forgiven in 10 s) */
     {0x1B05u, UINT32_C(0)}, /* zero crossings jump by more than half an interval, five times (one is forgiven in 10 s) */
     {0x1B06u, UINT32_C(0)}, /* sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s) */
+    {0x1B07u, UINT32_C(0)}, /* back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit */
     {0x1C01u, UINT32_C(0)}, /* shutdown requested over CAN (motor mode 3) */
     {0x1C02u, UINT32_C(1000)}, /* the digital input configured for shutdown */
     {0x1D01u, UINT32_C(0)}, /* no valid command while driving for the time-out (parameter 114) */
@@ -137,7 +142,7 @@ struct narx_port_parameter {
     int_least32_t maximum;
     int_least32_t factory;
 };
-static const struct narx_port_parameter narx_port_parameters[174] = {
+static const struct narx_port_parameter narx_port_parameters[175] = {
     {0, 0, INT32_C(0), INT32_C(1), INT32_C(1)}, /* Memory Mapping Flag, - */
     {1, 0, INT32_C(0), INT32_C(65535), INT32_C(1)}, /* Device Number, - */
     {2, 0, INT32_C(0), INT32_C(255), INT32_C(170)}, /* Slave CAN address, - */
@@ -312,6 +317,7 @@ static const struct narx_port_parameter narx_port_parameters[174] = {
     {305, 0, INT32_C(0), INT32_C(65535), INT32_C(0)}, /* Scope room, - */
     {306, 0, INT32_C(0), INT32_C(7), INT32_C(0)}, /* Scope refusal, - */
     {307, 0, INT32_C(0), INT32_C(1), INT32_C(1)}, /* Automatic store, - */
+    {308, 0, INT32_C(0), INT32_C(1), INT32_C(0)}, /* Other rotor source, - */
 };
 
 #endif

@@ -497,6 +497,9 @@
 // Automatic store.
 #define NARX_PARAMETER_AUTOMATIC_STORE 307
 
+// Other rotor source.
+#define NARX_PARAMETER_OTHER_SOURCE 308
+
 // Values of the field "motor mode".
 typedef enum narx_motor_mode_t {
     NARX_MOTOR_MODE_STANDBY = 0,
@@ -614,6 +617,9 @@ typedef enum narx_parameter_status_t {
 // Extended fault code: hall edges run against the torque: wiring, or a load that drives backwards.
 #define NARX_CAUSE_HALL_DIRECTION 0x604u
 
+// Extended fault code: hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit.
+#define NARX_CAUSE_HALLS_GIVEN_UP 0x605u
+
 // Extended fault code: pressure above its threshold.
 #define NARX_CAUSE_OVER_PRESSURE 0x701u
 
@@ -637,6 +643,9 @@ typedef enum narx_parameter_status_t {
 
 // Extended fault code: sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s).
 #define NARX_CAUSE_WRONG_LOCK 0x1B06u
+
+// Extended fault code: back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit.
+#define NARX_CAUSE_BACK_EMF_GIVEN_UP 0x1B07u
 
 // Extended fault code: shutdown requested over CAN (motor mode 3).
 #define NARX_CAUSE_SHUTDOWN_COMMANDED 0x1C01u
@@ -905,7 +914,7 @@ typedef union narx_fields_t {
 
 // Rises whenever coefficients of an earlier library would be wrong for this one: what `narx coefficients`
 // prints compares it.
-#define NARX_COEFFICIENTS_VERSION 10
+#define NARX_COEFFICIENTS_VERSION 11
 
 // Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2
@@ -929,7 +938,7 @@ typedef union narx_fields_t {
 #define NARX_LINE_DSI2 8
 
 // 64-bit words of a scope's memory on any processor.
-#define NARX_SCOPE_WORDS 1438
+#define NARX_SCOPE_WORDS 1446
 
 // 64-bit words of a narx_storage_t on any processor.
 #define NARX_STORAGE_WORDS 320
@@ -1420,7 +1429,7 @@ typedef struct narx_fault_settings_t {
 // Fault logic: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_fault_t {
     // Private.
-    uint64_t words[28];
+    uint64_t words[29];
 } narx_fault_t;
 
 // A limit with hysteresis, raw I16F16. `clear` lies on the safe side of `trip`.
@@ -1463,8 +1472,10 @@ typedef struct narx_protection_coefficients_t {
     uint32_t hall_stall_ticks;
     // Below this bus voltage a diagnostic is shown, raw I16F16.
     int32_t supply_low;
-    // Ticks in a millisecond: the leak of the plausibility counts.
+    // Ticks in a millisecond, 1/256: the leak of the plausibility counts.
     uint16_t ticks_per_ms;
+    // Weight of a tick with an invalid hall code, 1/64 of a period of 100 us.
+    uint16_t invalid_weight;
 } narx_protection_coefficients_t;
 
 // Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
@@ -1572,6 +1583,8 @@ typedef struct narx_hall_coefficients_t {
     uint32_t interpolation_min;
     // Edges come time-stamped; the level alone is a late witness.
     bool captured;
+    // Ticks of an invalid level after which the position is lost.
+    uint8_t lost_after;
 } narx_hall_coefficients_t;
 
 // A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
@@ -1707,7 +1720,7 @@ typedef struct narx_state_settings_t {
 // A state machine: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_state_machine_t {
     // Private.
-    uint64_t words[11];
+    uint64_t words[12];
 } narx_state_machine_t;
 
 // Coefficients of the state machine. Durations are in ticks.
@@ -1734,6 +1747,8 @@ typedef struct narx_machine_coefficients_t {
     uint32_t fault_wait;
     // Command time-out.
     uint32_t command_timeout;
+    // A closed loop goes on by the other one's source where its own fails (parameter 308); both are enabled.
+    bool other_source;
 } narx_machine_coefficients_t;
 
 // Inputs of the state machine in one tick; a flag is set if it is not 0.
@@ -1830,6 +1845,8 @@ typedef struct narx_back_emf_coefficients_t {
     int32_t noise;
     // Terminals below this code show no back-EMF: less than the noise.
     uint16_t silence;
+    // Ticks without voltage after which the windings carry no more current.
+    uint16_t settle;
     // Least blanking after a commutation, 1/65 536 tick (parameter 86).
     uint32_t discard;
     // First instant of a period at which a pattern changes, 1/65 536.
@@ -2328,7 +2345,7 @@ typedef struct narx_answer_t {
 // A motor's control: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_motor_t {
     // Private.
-    uint64_t words[186];
+    uint64_t words[190];
 } narx_motor_t;
 
 // Scales of the fast channels.
@@ -2339,6 +2356,9 @@ typedef struct narx_measurement_scales_t {
     struct narx_channel_scale_t bus_current;
     // Phase terminal voltages.
     struct narx_channel_scale_t phase_voltage;
+    // Periods of 100 us in a tick, 1/65 536: the filter of the bus current takes 1/64 of a difference in
+    // each.
+    uint32_t filter;
 } narx_measurement_scales_t;
 
 // Coefficients of the calibration.
@@ -2390,6 +2410,8 @@ typedef struct narx_sensorless_coefficients_t {
     uint32_t timeout;
     // Silent terminals for this long mean a rotor at rest.
     uint32_t rest;
+    // A rotor that turns backward is braked for this long before the drive listens again.
+    uint32_t brake;
     // Two locks together.
     uint32_t align;
     // Rise of the lock level a millisecond, 16 extra bits.
@@ -2429,8 +2451,10 @@ typedef struct narx_limit_coefficients_t {
 
 // Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
 typedef struct narx_control_coefficients_t {
-    // Ticks in a millisecond.
+    // Ticks in a millisecond, 1/256.
     uint16_t ticks_per_ms;
+    // Part of its distance that the speed loop goes in a tick while something else decides, 1/65 536.
+    uint16_t track;
     // Bus current limiter, per tick.
     struct narx_pi_gains_t current;
     // Current ratings.

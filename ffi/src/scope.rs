@@ -8,7 +8,7 @@ use core::mem::{align_of, size_of};
 use narx_core::scope::{Memory, WORDS};
 
 /// 64-bit words of a scope's memory on any processor.
-pub const NARX_SCOPE_WORDS: usize = 1438;
+pub const NARX_SCOPE_WORDS: usize = 1446;
 
 /// Memory of a virtual scope. It has room for the largest number of samples of one signal that parameter 23
 /// can request (4096), or for 68 ms of inputs at 10 kHz. Its content is private to the library. It must stay

@@ -28,6 +28,7 @@ static const narx_hall_ready_t hall_ready = {
         .timeout = 65536000,
         .interpolation_min = 429496,
         .captured = true,
+        .lost_after = 3,
     },
     .speed_of_turns = {
         .mantissa = 655360000,
@@ -43,6 +44,7 @@ static const narx_zero_crossing_ready_t zero_crossing_ready = {
         },
         .noise = 4,
         .silence = 4,
+        .settle = 8,
         .discard = 131072,
         .earliest = 8192,
         .comparator = false,
@@ -119,7 +121,8 @@ static const narx_protection_coefficients_t fault_ready = {
     .critical_mask = 4227858558,
     .hall_stall_ticks = 5000,
     .supply_low = 1179648,
-    .ticks_per_ms = 10,
+    .ticks_per_ms = 2560,
+    .invalid_weight = 64,
 };
 static const narx_machine_coefficients_t state_ready = {
     .open_loop_enable = false,
@@ -133,4 +136,5 @@ static const narx_machine_coefficients_t state_ready = {
     .auto_restart = 20000,
     .fault_wait = 5000,
     .command_timeout = 2500,
+    .other_source = false,
 };

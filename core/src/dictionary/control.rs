@@ -55,7 +55,7 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("ticks", 0)
         .range(10, 32767)
         .factory(500)
-        .about("Time without an accepted zero crossing after which the sensorless speed counts as 0; ticks of 100 us at any PWM rate."),
+        .about("Time without an accepted zero crossing after which the sensorless speed counts as 0, ticks of 100 us."),
     Row::new(number::ZC_DISCARD, "N periods to discard after a sector change", Control, U16)
         .in_unit("ticks", 0)
         .range(0, 100)
@@ -141,7 +141,7 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("ticks", -2)
         .range(0, 10000)
         .factory(0)
-        .about("Delay of the zero-crossing comparator, taken off the wait from crossing to commutation; ticks of 100 us."),
+        .about("Delay of the zero-crossing comparator, taken off the wait from crossing to commutation, ticks of 100 us."),
     Row::new(number::SPEED_MAX_SL, "Speed setpoint max saturation SL", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)

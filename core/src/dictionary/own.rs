@@ -181,7 +181,7 @@ pub(super) const OWN: [Row; 53] = [
         .in_unit("ticks", -2)
         .range(-10000, 10000)
         .factory(0)
-        .about("Delay of a falling zero crossing in addition to parameter 100; ticks of 100 us."),
+        .about("Delay of a falling zero crossing in addition to parameter 100, ticks of 100 us."),
     Row::new(number::CROSSING, "Last zero crossing", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)
@@ -322,8 +322,7 @@ pub(super) const OWN: [Row; 53] = [
         .range(0, 1)
         .factory(0)
         .about(
-            "1: with both closed loops enabled, a motor whose hall sensors fail while it turns goes on without \
-             them (state 4, extended code 0605h), and one whose back-EMF is lost goes on with hall sensors \
-             that work; 0: it stops.",
+            "1: a closed loop whose source fails goes on by the other's (0605h, 1B07h) if both are enabled; 0: it \
+             stops.",
         ),
 ];

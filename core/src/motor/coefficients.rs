@@ -268,11 +268,13 @@ impl Builder<'_> {
     }
 
     /// Ticks of so many periods of the manual's drive, 100 us each, at least 1.
+    #[inline(never)]
     fn periods(&self, periods: i64) -> u32 {
         quotient(periods * self.rate() + PERIOD_RATE / 2, PERIOD_RATE).max(1) as u32
     }
 
     /// 1/65 536 tick of so many periods of the manual's drive, 100 us each: the unit of parameters in ticks.
+    #[inline(never)]
     fn periods_fine(&self, periods: i64) -> i64 {
         quotient((periods << 16) * self.rate(), PERIOD_RATE)
     }
@@ -472,7 +474,6 @@ impl Builder<'_> {
             rails: self.rails(back_emf.back_emf),
             timeout: self.periods_fine(self.wide(number::ZC_PERIOD_MAX)) as u32,
             rest: self.ticks(REST),
-            brake: self.periods(256),
             align: self.ticks(align),
             align_rate: rise_a_ms(lock_level, align / 4),
             align_level: lock_level,

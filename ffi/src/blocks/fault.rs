@@ -19,7 +19,7 @@ use narx_core::units::{Amps, Celsius, Volts};
 #[repr(C)]
 pub struct narx_fault_t {
     /// Private.
-    words: [u64; 28],
+    words: [u64; 29],
 }
 
 const _: () = handle::assert_fits::<narx_fault_t>();

@@ -15,7 +15,7 @@ use narx_core::units::ElectricalSpeed;
 #[repr(C)]
 pub struct narx_state_machine_t {
     /// Private.
-    words: [u64; 11],
+    words: [u64; 12],
 }
 
 const _: () = handle::assert_fits::<narx_state_machine_t>();

@@ -20,7 +20,7 @@ use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 #[repr(C)]
 pub struct narx_motor_t {
     /// Private.
-    words: [u64; 186],
+    words: [u64; 190],
 }
 
 const _: () = handle::assert_fits::<narx_motor_t>();

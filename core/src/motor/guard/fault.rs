@@ -134,7 +134,7 @@ impl Cause {
         row(
             Self::HallsGivenUp,
             0,
-            "hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit",
+            "the motor goes on without its hall sensors (parameter 308); no fault bit",
         ),
         row(Self::OverPressure, 10_000, "pressure above its threshold"),
         row(Self::StoreMismatch, 0, "parameter store has another layout"),
@@ -156,11 +156,7 @@ impl Cause {
             0,
             "sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s)",
         ),
-        row(
-            Self::BackEmfGivenUp,
-            0,
-            "back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit",
-        ),
+        row(Self::BackEmfGivenUp, 0, "the motor goes on with its hall sensors (parameter 308); no fault bit"),
         row(Self::ShutdownCommanded, 0, "shutdown requested over CAN (motor mode 3)"),
         row(Self::ShutdownLine, 1_000, "the digital input configured for shutdown"),
         row(Self::CommandTimeout, 0, "no valid command while driving for the time-out (parameter 114)"),

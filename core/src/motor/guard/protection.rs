@@ -79,8 +79,6 @@ pub struct ProtectionCoefficients {
     pub supply_low: i32,
     /// Ticks in a millisecond, 1/256: the leak of the plausibility counts.
     pub ticks_per_ms: u16,
-    /// Weight of a tick with an invalid hall code, 1/64 of a period of 100 us.
-    pub invalid_weight: u16,
 }
 
 impl ProtectionCoefficients {
@@ -196,8 +194,8 @@ pub struct Evidence {
     pub sensorless: Option<Cause>,
 }
 
-/// Plausibility counts of the hall sensors: each glitch adds, time takes away. `invalid` is time in 1/64 of
-/// 100 us, `leak` is time in 1/256 tick.
+/// Plausibility counts of the hall sensors: each glitch adds, time takes away. `invalid` is time in 1/64
+/// tick, `leak` in 1/256 tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct HallCounts {
     invalid: u16,
@@ -207,8 +205,8 @@ struct HallCounts {
     leak: u16,
 }
 
-const INVALID_LEAK: u16 = 64;
-const INVALID_MAX: u16 = 64 * INVALID_LEAK;
+const INVALID: u16 = 64;
+const INVALID_MAX: u16 = 64;
 const JUMP: u16 = 13;
 const JUMPS_MAX: u16 = 64;
 const BACKWARD_EDGE: u16 = 6;
@@ -232,8 +230,8 @@ pub struct Protection {
     live: FaultWord,
     latched: FaultWord,
     code: u16,
-    /// The source of the rotor's position that the drive has given up; no fault.
-    told: Option<Cause>,
+    /// Extended code of the source of the rotor's position that the drive has given up, or 0; no fault.
+    told: u16,
     /// A critical fault is present.
     critical: bool,
     due: Instant,
@@ -366,15 +364,13 @@ impl Protection {
 
     /// Extended code of the first critical fault; without one of what was [told](Self::tell), or 0.
     pub const fn code(&self) -> u16 {
-        match self.told {
-            Some(cause) if self.code == 0 => cause as u16,
-            _ => self.code,
-        }
+        if self.code == 0 { self.told } else { self.code }
     }
 
     /// A closed loop goes on by the other one's source, which is no fault, or a start begins (`None`).
     pub fn tell(&mut self, cause: Option<Cause>) {
-        self.told = cause.filter(|cause| !blind::to("cause", *cause as u32));
+        let told = cause.filter(|cause| !blind::to("cause", *cause as u32));
+        self.told = told.map_or(0, |cause| cause as u16);
     }
 
     /// A driven episode has ended or begun: plausibility counts start anew.
@@ -464,14 +460,15 @@ impl Protection {
             return;
         }
         let counts = &mut self.hall;
+        // 100 us in 1/64 tick.
+        let period = c.ticks_per_ms / 40;
         counts.leak = if (counts.invalid, counts.jumps) == (0, 0) { 0 } else { counts.leak + (1 << 8) };
         if counts.leak >= c.ticks_per_ms {
             counts.leak -= c.ticks_per_ms;
-            counts.invalid = counts.invalid.saturating_sub(INVALID_LEAK);
+            counts.invalid = counts.invalid.saturating_sub(period);
             counts.jumps = counts.jumps.saturating_sub(1);
         }
-        let invalid = if evidence.hall.invalid { c.invalid_weight } else { 0 };
-        counts.invalid = counts.invalid.saturating_add(invalid);
+        counts.invalid = counts.invalid.saturating_add(INVALID * u16::from(evidence.hall.invalid));
         counts.jumps = counts.jumps.saturating_add(JUMP * u16::from(evidence.hall.jump));
         match evidence.hall.sectors.signum() * evidence.torque_sign {
             -1 if evidence.torque => counts.backwards = counts.backwards.saturating_add(BACKWARD_EDGE),
@@ -481,7 +478,7 @@ impl Protection {
         let still = evidence.hall_stopped && evidence.torque;
         counts.stalled = if still { counts.stalled.saturating_add(1) } else { 0 };
         let found = [
-            (counts.invalid >= INVALID_MAX, Cause::HallInvalid),
+            (counts.invalid >= INVALID_MAX * period, Cause::HallInvalid),
             (counts.jumps >= JUMPS_MAX, Cause::HallJumps),
             (counts.backwards >= BACKWARDS_MAX, Cause::HallDirection),
             (counts.stalled >= c.hall_stall_ticks, Cause::HallStall),

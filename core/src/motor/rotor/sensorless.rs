@@ -34,8 +34,6 @@ pub struct SensorlessCoefficients {
     pub timeout: u32,
     /// Silent terminals for this long mean a rotor at rest.
     pub rest: u32,
-    /// A rotor that turns backward is braked for this long before the drive listens again.
-    pub brake: u32,
     /// Two locks together.
     pub align: u32,
     /// Rise of the lock level a millisecond, 16 extra bits.
@@ -123,6 +121,8 @@ pub struct Sensorless {
 /// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a
 /// rotor at 333 electrical rpm would have shown another, and what is slower is brought to rest by the locks.
 const STILL: u32 = 12;
+/// Number of rest times for which a rotor that turns backward is braked before the drive listens again.
+const BRAKE: u32 = 5;
 /// Angle at which the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing
 /// rises and shows in the off-time too.
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
@@ -342,7 +342,7 @@ impl Sensorless {
                 .listening
                 .settles(c.rest, began, STILL * c.rest)
                 .earlier(self.estimator.silent_at(c.timeout)),
-            Phase::Brake => began.after(c.brake + 1),
+            Phase::Brake => began.after(BRAKE * c.rest + 1),
             Phase::Align => {
                 let half = began.after(c.align / 2 + 1);
                 if half.is_due(now) { began.after(c.align + 1) } else { half }
@@ -468,7 +468,7 @@ impl Sensorless {
     /// locks.
     fn brake(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
         let speed = self.estimator.speed().saturating_abs();
-        if now.since(self.since) > c.brake {
+        if now.since(self.since) > BRAKE * c.rest {
             self.go(now, Phase::Listen);
         }
         if speed < c.brake_max { Plan::Short } else { Plan::Coast }

@@ -84,7 +84,6 @@ impl ProtectionCoefficients {
             hall_stall_ticks: at.hall_stall_ticks,
             supply_low: 18 << 16,
             ticks_per_ms: quotient(i64::from(rate) << 8, 1000).clamp(1, u16::MAX.into()) as u16,
-            invalid_weight: quotient(64 * 10_000 + i64::from(rate / 2), rate.into()).clamp(1, 64 * 64) as u16,
         }
     }
 }
