@@ -47,8 +47,50 @@ test("the set-point changes while the motor turns, by keyboard, and the directio
     await page.keyboard.press("ArrowRight");
     assert.equal(await page.locator("#setpoint").inputValue(), "2010");
     await page.locator("#setpoint").fill("1500");
+    await page.locator("#setpoint").press("Enter");
     await reaches(page, -1500, 30);
     assert.ok(Math.abs(Number((await page.locator('[data-measurement="Mechanical estimated speed HES"]').textContent()).replace("rpm", "")) + 1500) < 40);
+    assert.deepEqual(complaints, []);
+});
+
+test("a set-point is commanded by Enter, by leaving the field and by the slider's release, not by a keystroke, and Escape restores it", async () => {
+    const { page, complaints } = await operate(browser, "main");
+    await start(page, 2000);
+    const [setpoint, slider] = [page.locator("#setpoint"), page.locator("#slider")];
+    const type = async (text) => {
+        await setpoint.press("ControlOrMeta+a");
+        await setpoint.pressSequentially(text, { delay: 60 });
+    };
+    await type("3500");
+    await setpoint.press("Escape");
+    assert.equal(await setpoint.inputValue(), "2000");
+    await type("2500");
+    await setpoint.press("Enter");
+    await reaches(page, 2500, 50);
+    await type("2200");
+    await setpoint.blur();
+    await reaches(page, 2200, 44);
+    const slid = await slider.evaluate((slider) => {
+        slider.value = "3000";
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        return Number(slider.value);
+    });
+    assert.equal(await setpoint.inputValue(), String(slid));
+    await page.waitForTimeout(200);
+    await slider.evaluate((slider) => {
+        slider.value = "2800";
+        for (const name of ["input", "change"]) {
+            slider.dispatchEvent(new Event(name, { bubbles: true }));
+        }
+    });
+    const released = Number(await setpoint.inputValue());
+    await reaches(page, released, 56);
+    await go(page, "trace");
+    const { bytes } = await saved(page, () => page.locator("#save-log").click());
+    const commands = [...bytes.toString().matchAll(/ 0AAD5266#([0-9A-F]{4})/g)].map(([, speed]) => parseInt(speed, 16));
+    const changes = commands.filter((speed, at) => speed !== commands[at - 1] && speed !== 0);
+    assert.deepEqual(changes, [2000, 2500, 2200, released]);
+    assert.notEqual(released, slid);
     assert.deepEqual(complaints, []);
 });
 
@@ -84,16 +126,21 @@ test("a set-point is the mode's, until the operator has the field in hand", asyn
 test("a set-point beyond the limits is refused with the limit's parameter and range, and the motor turns on as it did", async () => {
     const { page, complaints } = await operate(browser, "main");
     await start(page, 1500);
-    await page.locator("#setpoint").fill("9000");
-    assert.match(await page.locator("#misfit").textContent(), /^Speed 9000 rpm is above parameter 10\d "Speed setpoint max saturation HES": must be \d+ to \d+ rpm\.$/);
+    const setpoint = page.locator("#setpoint");
+    const misfit = page.getByRole("form", { name: "Command" }).getByRole("alert");
+    await setpoint.fill("9000");
+    await setpoint.press("Enter");
+    assert.match(await misfit.textContent(), /^Speed 9000 rpm is above parameter 10\d "Speed setpoint max saturation HES": must be \d+ to \d+ rpm\.$/);
     await reaches(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
     await page.locator("#start:enabled").click();
     await page.waitForTimeout(500);
     await inState(page, "Standby");
-    await page.locator("#setpoint").fill("1500");
-    await page.locator("#misfit").waitFor({ state: "detached" });
+    assert.equal(await setpoint.inputValue(), "9000");
+    await setpoint.press("Escape");
+    await misfit.waitFor({ state: "detached" });
+    assert.equal(await setpoint.inputValue(), "1500");
     assert.deepEqual(complaints, []);
 });
 
@@ -171,14 +218,24 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     await input.fill("1000");
     await input.press("Enter");
     assert.match(await row.getByRole("alert").textContent(), /Parameter 119 "Over-voltage HV threshold": 1000 V is outside .* to .* V/);
+    assert.equal(await input.getAttribute("aria-invalid"), "true");
+    await input.press("Escape");
     assert.equal(Number(await input.inputValue()), 55.5);
 
     await page.locator("#search").fill("pair poles");
     const poles = page.locator('[data-parameter="78"]');
     const before = await poles.locator("input").inputValue();
-    await poles.locator("input").fill("4.5");
-    await poles.locator("input").press("Enter");
-    assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is not a whole number from 1 to \d+/);
+    for (const leave of [(input) => input.press("Enter"), (input) => input.blur()]) {
+        await poles.locator("input").fill("4.5");
+        await leave(poles.locator("input"));
+        assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is not a whole number from 1 to \d+/);
+        assert.equal(await poles.locator("input").inputValue(), "4.5");
+        await poles.locator("input").press("Escape");
+        assert.equal(await poles.locator("input").inputValue(), before);
+    }
+    await poles.locator("input").pressSequentially("0");
+    await poles.locator("input").press("Escape");
+    await poles.locator("input").blur();
     assert.equal(await poles.locator("input").inputValue(), before);
     await page.locator("#search").fill("over-voltage");
 
