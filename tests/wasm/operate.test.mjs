@@ -197,6 +197,46 @@ test("what is broken is named, and works again once it is mended and acknowledge
     await start(page, 1500);
 });
 
+test("Stop is at the same place on every panel, scrolled or not, in a fault and beside a question, and F8 is its key", async () => {
+    for (const viewport of [{ width: 1280, height: 900 }, { width: 360, height: 740 }]) {
+        const { page, complaints } = await operate(browser, "main", { viewport });
+        const stop = page.locator(".bar .stop");
+        const place = await stop.boundingBox();
+        const stays = async (where) => assert.deepEqual(await stop.boundingBox(), place, `${viewport.width} px, ${where}`);
+        await start(page, 1500);
+        await stays("running");
+        for (const panel of await page.locator("main nav a").evaluateAll((links) => links.map(({ hash }) => hash))) {
+            await page.evaluate((panel) => location.assign(panel), panel);
+            await page.locator("main h1").waitFor();
+            await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+            await stays(`${panel}, scrolled`);
+            await page.evaluate(() => scrollTo(0, 0));
+            await stays(panel);
+        }
+        await go(page, "parameters");
+        await page.locator("#search").fill("speed");
+        await page.locator("#restore:enabled").click();
+        assert.equal(await page.evaluate(() => document.activeElement.textContent), "Cancel");
+        await stays("question");
+        // A click reaches what is on top there.
+        await stop.click();
+        await inState(page, "Standby");
+        await page.getByRole("button", { name: "Cancel" }).press("Escape");
+        await page.getByRole("dialog").waitFor({ state: "hidden" });
+        await go(page, "main");
+        await start(page, 1500);
+        await page.locator("#setpoint").focus();
+        await page.keyboard.press(await stop.getAttribute("aria-keyshortcuts"));
+        await inState(page, "Standby");
+        await page.locator("#shut-down").click();
+        await inState(page, "Fault");
+        await page.locator(".bar .faults").waitFor();
+        await stays("fault");
+        assert.deepEqual(complaints, []);
+        await page.close();
+    }
+});
+
 test("a parameter is found, written, marked, refused with its range, saved, compared and loaded", async () => {
     const { page, complaints } = await operate(browser, "parameters");
     await page.locator("#search").fill("over-voltage");
