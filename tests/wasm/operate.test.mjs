@@ -348,6 +348,7 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
     await inState(page, "Standby");
     await page.locator("#pause").click();
     await page.locator("#resume").waitFor();
+    assert.equal(await page.locator("#pace option:checked").textContent(), "real time");
     const digest = await digestOf(page);
     const instant = page.locator("#instant");
     const end = Number(await instant.getAttribute("max"));

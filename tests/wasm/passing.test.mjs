@@ -173,7 +173,25 @@ test("a bus log opens as columns, and the panels show it without sending", async
     await page.getByText("Lines that are not frames: 1").waitFor();
     await page.locator("#play-log").click();
     await page.locator(".bar .link").getByText("Log bus.log").waitFor();
+    // It begins where the log begins, and time passes.
+    await page.locator("#log-play").click();
+    const instant = page.locator("#log-instant");
+    const [at, end] = await instant.evaluate(({ valueAsNumber, max }) => [valueAsNumber, Number(max)]);
+    assert.ok(at < end / 2, `${at} s of ${end} s`);
+    const seek = (seconds) =>
+        instant.evaluate((input, seconds) => {
+            input.value = String(seconds);
+            input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, seconds);
+    await seek(end);
     await inState(page, "Closed-loop Hall Effect Sensors");
+    const times = (frames) => bytes.toString().split("\n").filter((line) => frames.test(line)).map((line) => Number(line.slice(1, 18)));
+    // Just before the first set-point.
+    await seek(times(/0AAD5266#(?!0000)/)[0] - times(/#/)[0] - 0.01);
+    await inState(page, "Standby");
+    await page.locator("#log-play").click();
+    await inState(page, "Closed-loop Hall Effect Sensors");
+    await page.waitForFunction(() => document.querySelector("#log-instant").valueAsNumber > 1);
     assert.ok(await page.locator("#start").isDisabled());
     assert.deepEqual(complaints, []);
 });
