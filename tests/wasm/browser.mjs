@@ -84,6 +84,31 @@ export async function violations(page) {
     return found.violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${target.join(" ")}: ${failureSummary}`));
 }
 
+/** What does not suit a phone, a line each: text below 12 px, and tables that are wider than their place. */
+export function unreadable(page) {
+    return page.evaluate(() => {
+        const found = new Set();
+        const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+        while (texts.nextNode()) {
+            const { textContent, parentElement: element } = texts.currentNode;
+            if (textContent.trim() === "" || !element.checkVisibility() || element.closest("title, option")) {
+                continue;
+            }
+            // A picture is drawn larger or smaller than its units.
+            const pixels = Number.parseFloat(getComputedStyle(element).fontSize) * (element.ownerSVGElement ? element.getScreenCTM().a : 1);
+            if (pixels < 11.99) {
+                found.add(`${element.localName} ${element.className.baseVal ?? element.className}: ${pixels.toFixed(1)} px`);
+            }
+        }
+        for (const table of document.querySelectorAll("table")) {
+            if (table.checkVisibility() && table.scrollWidth > table.parentElement.clientWidth) {
+                found.add(`table of "${table.parentElement.ariaLabel}": ${table.scrollWidth} px in ${table.parentElement.clientWidth} px`);
+            }
+        }
+        return [...found];
+    });
+}
+
 /**
  * What is hard to see on the visible buttons under the pointer and with the keyboard's focus, a line each: a label below 4.5:1, an outline below 3:1, and a
  * button that means something by its colour and loses it. Of buttons that look alike at rest the first is tried.
