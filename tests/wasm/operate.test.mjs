@@ -298,6 +298,27 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     assert.deepEqual(complaints, []);
 });
 
+test("parameters and frames are found by their words in any order", async () => {
+    const { page } = await operate(browser, "parameters");
+    const numbers = () => page.locator("[data-parameter]").evaluateAll((rows) => rows.map(({ dataset }) => Number(dataset.parameter)));
+    for (const [search, found] of [
+        ["hall offset", [79, 80]],
+        ["offset angle HALL", [80]],
+        ["Kp speed", [91, 93]],
+        ["overcurrent", [116]],
+        ["limitation over-current", [116]],
+        ["speed zzz", []],
+    ]) {
+        await page.locator("#search").fill(search);
+        assert.deepEqual(await numbers(), found, search);
+    }
+    await go(page, "trace");
+    await page.locator("#trace-filter").fill("received voltage measurement2");
+    const texts = () => page.locator("#frames tbody tr").evaluateAll((rows) => rows.map(({ textContent }) => textContent));
+    await page.locator("#frames tbody").getByText("MEASUREMENT_2").first().waitFor();
+    assert.ok((await texts()).every((text) => text.includes("MEASUREMENT_2")));
+});
+
 /** Loads a text as a file of parameters. */
 async function load(page, name, text) {
     const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.locator("#load-file").click()]);
