@@ -101,6 +101,27 @@ function edited(link, change) {
     return deflateRawSync(JSON.stringify(change(packed))).toString("base64url");
 }
 
+test("a long link is repeated in few pieces, whatever the number of its inputs", async () => {
+    const inputs = 6000;
+    const run = { format: 1, setup: { motor: "bly172s-24v", options: { supplyVoltage: 24 } }, frames: ["aad5202xd0000000000000000"], after: Array(inputs).fill(500), what: Array(inputs).fill(0), ticks: 500 * inputs, digest: "0" };
+    const { page } = await browser.open({}, "#/learn");
+    await page.evaluate(() => {
+        globalThis.reports = 0;
+        const Plain = Worker;
+        globalThis.Worker = class extends Plain {
+            constructor(...args) {
+                super(...args);
+                this.addEventListener("message", ({ data }) => (globalThis.reports += Number(["ran", "repeating"].includes(data.kind))));
+            }
+        };
+    });
+    await page.evaluate((run) => location.assign(`#/operate/virtual?run=${run}`), deflateRawSync(JSON.stringify(run)).toString("base64url"));
+    await page.locator("#reproduced").getByText(/^Not reproduced: digest [0-9a-f]{16}, expected 0/).waitFor({ timeout: 120_000 });
+    await page.getByText(/control tick 3000000$/).waitFor();
+    const reports = await page.evaluate(() => globalThis.reports);
+    assert.ok(reports > 0 && reports < 100, `${reports} reports`);
+});
+
 test("a link that is none is told in words", async () => {
     const whole = { format: 1, setup: { motor: "bly172s-24v", options: { supplyVoltage: 24 } }, frames: [], after: [], what: [], ticks: 100, digest: "0" };
     const cases = [

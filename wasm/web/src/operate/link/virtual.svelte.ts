@@ -192,6 +192,9 @@ class VirtualDrive {
                 // In a microtask, so that it follows the frames that the page sends in reaction to the
                 // report.
                 return queueMicrotask(() => this.#worker?.postMessage({ kind: "received" } satisfies Request));
+            case "repeating":
+                this.now = answer.now;
+                return;
             case "sought":
                 return this.#return(answer);
             case "reproduced":
