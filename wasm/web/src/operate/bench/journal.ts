@@ -175,8 +175,8 @@ export class JournalledBench {
     }
 }
 
-/** Runs a bench up to `tick`, with the inputs at their ticks, of which it has had `applied`; returns how many it
- * has had then. `run` runs the bench for some ticks. */
+/** Runs a bench up to `tick`, with the inputs at their ticks, and returns the number of inputs that it has had.
+ * `applied`: the number before; `run` runs the bench for some ticks. */
 function repeat(bench: Bench, inputs: readonly Input[], applied: number, tick: number, run: (ticks: number) => void): number {
     for (;;) {
         while ((inputs[applied]?.tick ?? Infinity) <= bench.ticks) {

@@ -5,7 +5,7 @@ import type { Link, Listener } from "./link";
 
 /** Time between two turns, ms. */
 const PERIOD = 20;
-/** Length of the log that a new master receives before an earlier instant, s: enough for the rolling plots. */
+/** Length of the log that a new master receives before an earlier instant, s: that of the rolling plots. */
 const BEFORE = 8;
 
 export class Playback implements Link {
