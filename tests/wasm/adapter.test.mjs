@@ -203,13 +203,15 @@ test("TX-Drivers on the bus are found, started and written to", async () => {
     await node.getByText("Object dictionary").click();
     await node.locator(".read-objects").click();
     const update = node.getByLabel("Update Time");
-    await page.waitForFunction(() => document.querySelector('[data-node="2"] [aria-label="Update Time"]').value !== "");
+    await page.waitForFunction((input) => input.value !== "", await update.elementHandle());
     await update.fill("20");
     await update.press("Enter");
     await node.locator(".told").getByText(/^Written/).waitFor();
     await update.fill("-1");
     await update.press("Enter");
-    await node.locator(".told").getByText(/"Update Time" -1: must be 0 to/).waitFor();
+    await node.getByRole("alert").getByText(/^-1: must be a number from 0 to \d+\.$/).waitFor();
+    await update.press("Escape");
+    assert.equal(await update.inputValue(), "20");
     await node.getByRole("button", { name: "Start" }).click();
     await node.getByText(/Channel 1: -?\d+\.\d{5} mm/).waitFor();
     await node.locator(".read-objects").click();

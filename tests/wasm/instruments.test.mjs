@@ -37,7 +37,7 @@ test("the scope records what it is forced to, and its columns go into files", as
     await page.locator("#scope-force").click();
     await lamp(page, "done");
     await page.locator("#scope-download").click();
-    await page.locator("#scope-told").getByText("100 samples.").waitFor();
+    await page.locator("#scope-told").getByText("100 samples, 0 of them before the trigger.").waitFor();
     assert.ok(await isDrawn(page.locator("[aria-label='Plots'] canvas").first()));
 
     const csv = await saved(page, () => page.locator(".save-csv").click());
@@ -45,6 +45,10 @@ test("the scope records what it is forced to, and its columns go into files", as
     const [header, ...rows] = csv.bytes.toString().trim().split("\n").map((line) => line.split(","));
     assert.deepEqual(header, ["time [s]", "Mechanical estimated speed HES [rpm]", "HV Voltage [V]"]);
     assert.equal(rows.length, 100);
+    // A sample has 12 bits and a sign.
+    for (const [, ...cells] of rows) {
+        assert.match(cells.join(), /^-?\d+,\d+(\.\d{1,3})?$/);
+    }
     for (const [, speed, voltage] of rows) {
         assert.ok(Math.abs(speed - 1500) < 50 && Math.abs(voltage - 24) < 1, `${speed} rpm, ${voltage} V`);
     }
@@ -56,6 +60,64 @@ test("the scope records what it is forced to, and its columns go into files", as
 
     await drop(page, { name: "scope.csv", buffer: csv.bytes });
     await page.locator("#replays .result").getByText("100 rows").waitFor();
+    assert.deepEqual(complaints, []);
+});
+
+test("the scope says what fits and what is recorded, draws the trigger, measures between cursors, and keeps all of it", async () => {
+    const { page, complaints } = await operate(browser, "scope");
+    await lamp(page, "idle");
+    const type = async (field, text) => {
+        await page.locator(field).fill(text);
+        await page.locator(field).press("Enter");
+    };
+    const boxes = page.locator("[data-signal]");
+    for (let index = 0; index < 9; index += 1) {
+        await boxes.nth(index).check();
+    }
+    await type("#samples", "2000");
+    await type("#before", "500");
+    await page.locator("#unkept").getByText("The scope memory cannot hold 2000 samples of 9 signals: at most 455 samples per signal.").waitFor();
+    assert.ok(await page.locator("#scope-run").isDisabled());
+    await type("#samples", "455");
+    await page.locator("#unkept").getByText("The drive cannot record 9 signals every tick: the prescaler must be at least 3.").waitFor();
+    await type("#prescaler", "3");
+    await page.locator("#unkept").getByText("The samples before the trigger, 500, must be fewer than the 455 samples of the record.").waitFor();
+    await type("#before", "100");
+    await page.locator("#kept").getByText(/^4095 of the 4096 samples .* at most 455 per signal. One every 300 µs: 30.0 ms before the trigger, 106.5 ms after it.$/).waitFor();
+    for (let index = 2; index < 9; index += 1) {
+        await boxes.nth(index).uncheck();
+    }
+    await type("#prescaler", "1");
+    await page.locator("#trigger").selectOption("above");
+    await type("#level", "-100");
+    await page.locator("#scope-run").click();
+    await lamp(page, "done");
+    await page.locator("#scope-download").click();
+    await page.locator("#scope-told").getByText("455 samples, 100 of them before the trigger.").waitFor();
+    const red = () =>
+        page.locator("[aria-label='Plots'] canvas").first().evaluate((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            const found = new Set();
+            for (let at = 0; at < data.length; at += 4) {
+                if (data[at] === 0xb3 && data[at + 1] === 0x26 && data[at + 2] === 0x1e) {
+                    found.add((at / 4) % canvas.width);
+                }
+            }
+            return found.size;
+        });
+    assert.ok((await red()) > 0);
+    await page.locator("[data-cursor=A]").fill("100");
+    await page.locator("[data-cursor=B]").fill("200");
+    assert.match(await page.locator("#apart").textContent(), /^B is 0.01 s from A: 100 Hz\./);
+    const [, , b] = (await page.locator("#cursors tbody tr").first().locator("th, td").allTextContents()).map(Number);
+    assert.ok(Math.abs(b) < 5);
+
+    await go(page, "main");
+    await go(page, "scope");
+    await page.locator("#scope-told").getByText("455 samples, 100 of them before the trigger.").waitFor();
+    assert.ok((await red()) > 0);
+    assert.deepEqual(await Promise.all(["#samples", "#before", "#level"].map((field) => page.locator(field).inputValue())), ["455", "100", "-100"]);
+    assert.equal(await boxes.evaluateAll((boxes) => boxes.filter(({ checked }) => checked).length), 2);
     assert.deepEqual(complaints, []);
 });
 

@@ -78,6 +78,18 @@ test("back-EMF: it grows with the speed of the hand, and the drive accepts a cro
     const { page, complaints } = await open("back-emf");
     const largest = () =>
         page.evaluate(() => Math.max(...["A", "B", "C"].map((name) => Math.abs(Number.parseFloat(document.querySelector(`[data-reading="emf-${name}"]`).textContent)))));
+    // A dot for each crossing, at the spin that the reader finds: spots of a phase's colour on the line of zero.
+    await page.waitForFunction(() => {
+        const canvas = document.querySelector(".waveforms canvas");
+        const { left, width, top, height } = canvas.parentElement.querySelector(".u-over").getBoundingClientRect();
+        const box = canvas.getBoundingClientRect();
+        const context = new OffscreenCanvas(width, 1).getContext("2d", { willReadFrequently: true });
+        context.drawImage(canvas, left - box.left, Math.round(top - box.top + height / 2), width, 1, 0, 0, width, 1);
+        const row = context.getImageData(0, 0, width, 1).data;
+        const colours = Array.from({ length: width }, (_, x) => row.slice(4 * x, 4 * x + 3).join());
+        const spots = colours.filter((colour, x) => colour !== "255,255,255" && [1, 2, 3, 4].every((on) => colours[x + on] === colour));
+        return ["179,38,30", "28,113,65", "57,73,171"].every((phase) => spots.includes(phase));
+    });
     await slide(page, /Spin/, 1);
     await page.waitForFunction(() => Number.parseFloat(document.querySelector('[data-reading="emf-A"]').textContent) > 25);
     assert.ok(Math.abs((await largest()) - 28) <= 1, "1/4 turn a second of the shaft at 18 mV s/rad");
@@ -97,6 +109,15 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
     await verdict("follows");
     await reaches(page, "field", 990, 1010);
     await reaches(page, "mean", 980, 1020);
+    // What the text says of constant speed: several times the current that the load needs, late by more than the flat top.
+    const needed = Number(/needs\s+only ([\d.]+) A/.exec(await page.locator(".words").textContent())[1]);
+    assert.ok((await reading(page, "rms")) > 3 * needed);
+    await reaches(page, "lag", 120, 180);
+    await page.getByRole("slider", { name: "Look back" }).evaluate((input) => {
+        input.value = "-15500";
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+    });
+    await reaches(page, "lag", 0, 60);
     await slide(page, /Ramp/, 0.1);
     await verdict("has lost synchronism");
     await reaches(page, "field", 990, 1010);
@@ -168,12 +189,17 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     assert.equal(await reading(page, "limiter"), "speed loop");
     await slide(page, /Ki/, 1);
     await reaches(page, "overshoot", 120, 400);
+    const dip = await reading(page, "dip");
     await slide(page, /Ki/, -1);
-    await reaches(page, "back", 400, 900);
+    await page.locator('[data-reading="back"]').getByText("not within 900 ms").waitFor();
+    assert.equal(await reading(page, "overshoot"), 0);
+    assert.ok(Math.abs((await reading(page, "dip")) - dip) < 0.25 * dip);
     await slide(page, /Ki/, 0);
     await slide(page, /limit/, 0.5);
     await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
     await reaches(page, "speed", 800, 1400);
+    await reaches(page, "mean-current", 0.45, 0.5);
+    assert.equal(await reading(page, "back"), "not within 900 ms");
     assert.deepEqual(complaints, []);
 });
 

@@ -47,8 +47,50 @@ test("the set-point changes while the motor turns, by keyboard, and the directio
     await page.keyboard.press("ArrowRight");
     assert.equal(await page.locator("#setpoint").inputValue(), "2010");
     await page.locator("#setpoint").fill("1500");
+    await page.locator("#setpoint").press("Enter");
     await reaches(page, -1500, 30);
     assert.ok(Math.abs(Number((await page.locator('[data-measurement="Mechanical estimated speed HES"]').textContent()).replace("rpm", "")) + 1500) < 40);
+    assert.deepEqual(complaints, []);
+});
+
+test("a set-point is commanded by Enter, by leaving the field and by the slider's release, not by a keystroke, and Escape restores it", async () => {
+    const { page, complaints } = await operate(browser, "main");
+    await start(page, 2000);
+    const [setpoint, slider] = [page.locator("#setpoint"), page.locator("#slider")];
+    const type = async (text) => {
+        await setpoint.press("ControlOrMeta+a");
+        await setpoint.pressSequentially(text, { delay: 60 });
+    };
+    await type("3500");
+    await setpoint.press("Escape");
+    assert.equal(await setpoint.inputValue(), "2000");
+    await type("2500");
+    await setpoint.press("Enter");
+    await reaches(page, 2500, 50);
+    await type("2200");
+    await setpoint.blur();
+    await reaches(page, 2200, 44);
+    const slid = await slider.evaluate((slider) => {
+        slider.value = "3000";
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        return Number(slider.value);
+    });
+    assert.equal(await setpoint.inputValue(), String(slid));
+    await page.waitForTimeout(200);
+    await slider.evaluate((slider) => {
+        slider.value = "2800";
+        for (const name of ["input", "change"]) {
+            slider.dispatchEvent(new Event(name, { bubbles: true }));
+        }
+    });
+    const released = Number(await setpoint.inputValue());
+    await reaches(page, released, 56);
+    await go(page, "trace");
+    const { bytes } = await saved(page, () => page.locator("#save-log").click());
+    const commands = [...bytes.toString().matchAll(/ 0AAD5266#([0-9A-F]{4})/g)].map(([, speed]) => parseInt(speed, 16));
+    const changes = commands.filter((speed, at) => speed !== commands[at - 1] && speed !== 0);
+    assert.deepEqual(changes, [2000, 2500, 2200, released]);
+    assert.notEqual(released, slid);
     assert.deepEqual(complaints, []);
 });
 
@@ -84,16 +126,21 @@ test("a set-point is the mode's, until the operator has the field in hand", asyn
 test("a set-point beyond the limits is refused with the limit's parameter and range, and the motor turns on as it did", async () => {
     const { page, complaints } = await operate(browser, "main");
     await start(page, 1500);
-    await page.locator("#setpoint").fill("9000");
-    assert.match(await page.locator("#misfit").textContent(), /^Speed 9000 rpm is above parameter 10\d "Speed setpoint max saturation HES": must be \d+ to \d+ rpm\.$/);
+    const setpoint = page.locator("#setpoint");
+    const misfit = page.getByRole("form", { name: "Command" }).getByRole("alert");
+    await setpoint.fill("9000");
+    await setpoint.press("Enter");
+    assert.match(await misfit.textContent(), /^Speed 9000 rpm is above parameter 10\d "Speed setpoint max saturation HES": must be \d+ to \d+ rpm\.$/);
     await reaches(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
     await page.locator("#start:enabled").click();
     await page.waitForTimeout(500);
     await inState(page, "Standby");
-    await page.locator("#setpoint").fill("1500");
-    await page.locator("#misfit").waitFor({ state: "detached" });
+    assert.equal(await setpoint.inputValue(), "9000");
+    await setpoint.press("Escape");
+    await misfit.waitFor({ state: "detached" });
+    assert.equal(await setpoint.inputValue(), "1500");
     assert.deepEqual(complaints, []);
 });
 
@@ -150,6 +197,46 @@ test("what is broken is named, and works again once it is mended and acknowledge
     await start(page, 1500);
 });
 
+test("Stop is at the same place on every panel, scrolled or not, in a fault and beside a question, and F8 is its key", async () => {
+    for (const viewport of [{ width: 1280, height: 900 }, { width: 360, height: 740 }]) {
+        const { page, complaints } = await operate(browser, "main", { viewport });
+        const stop = page.locator(".bar .stop");
+        const place = await stop.boundingBox();
+        const stays = async (where) => assert.deepEqual(await stop.boundingBox(), place, `${viewport.width} px, ${where}`);
+        await start(page, 1500);
+        await stays("running");
+        for (const panel of await page.locator("main nav a").evaluateAll((links) => links.map(({ hash }) => hash))) {
+            await page.evaluate((panel) => location.assign(panel), panel);
+            await page.locator("main h1").waitFor();
+            await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+            await stays(`${panel}, scrolled`);
+            await page.evaluate(() => scrollTo(0, 0));
+            await stays(panel);
+        }
+        await go(page, "parameters");
+        await page.locator("#search").fill("speed");
+        await page.locator("#restore:enabled").click();
+        assert.equal(await page.evaluate(() => document.activeElement.textContent), "Cancel");
+        await stays("question");
+        // A click reaches what is on top there.
+        await stop.click();
+        await inState(page, "Standby");
+        await page.getByRole("button", { name: "Cancel" }).press("Escape");
+        await page.getByRole("dialog").waitFor({ state: "hidden" });
+        await go(page, "main");
+        await start(page, 1500);
+        await page.locator("#setpoint").focus();
+        await page.keyboard.press(await stop.getAttribute("aria-keyshortcuts"));
+        await inState(page, "Standby");
+        await page.locator("#shut-down").click();
+        await inState(page, "Fault");
+        await page.locator(".bar .faults").waitFor();
+        await stays("fault");
+        assert.deepEqual(complaints, []);
+        await page.close();
+    }
+});
+
 test("a parameter is found, written, marked, refused with its range, saved, compared and loaded", async () => {
     const { page, complaints } = await operate(browser, "parameters");
     await page.locator("#search").fill("over-voltage");
@@ -171,14 +258,24 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     await input.fill("1000");
     await input.press("Enter");
     assert.match(await row.getByRole("alert").textContent(), /Parameter 119 "Over-voltage HV threshold": 1000 V is outside .* to .* V/);
+    assert.equal(await input.getAttribute("aria-invalid"), "true");
+    await input.press("Escape");
     assert.equal(Number(await input.inputValue()), 55.5);
 
     await page.locator("#search").fill("pair poles");
     const poles = page.locator('[data-parameter="78"]');
     const before = await poles.locator("input").inputValue();
-    await poles.locator("input").fill("4.5");
-    await poles.locator("input").press("Enter");
-    assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is not a whole number from 1 to \d+/);
+    for (const leave of [(input) => input.press("Enter"), (input) => input.blur()]) {
+        await poles.locator("input").fill("4.5");
+        await leave(poles.locator("input"));
+        assert.match(await poles.getByRole("alert").textContent(), /Parameter 78 "Motor pair poles": 4.5 is not a whole number from 1 to \d+/);
+        assert.equal(await poles.locator("input").inputValue(), "4.5");
+        await poles.locator("input").press("Escape");
+        assert.equal(await poles.locator("input").inputValue(), before);
+    }
+    await poles.locator("input").pressSequentially("0");
+    await poles.locator("input").press("Escape");
+    await poles.locator("input").blur();
     assert.equal(await poles.locator("input").inputValue(), before);
     await page.locator("#search").fill("over-voltage");
 
@@ -199,6 +296,27 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
     await load(page, "notes.json", "speed");
     await page.locator("#told").getByText('"notes.json" is not a parameter file: it is not JSON.').waitFor();
     assert.deepEqual(complaints, []);
+});
+
+test("parameters and frames are found by their words in any order", async () => {
+    const { page } = await operate(browser, "parameters");
+    const numbers = () => page.locator("[data-parameter]").evaluateAll((rows) => rows.map(({ dataset }) => Number(dataset.parameter)));
+    for (const [search, found] of [
+        ["hall offset", [79, 80]],
+        ["offset angle HALL", [80]],
+        ["Kp speed", [91, 93]],
+        ["overcurrent", [116]],
+        ["limitation over-current", [116]],
+        ["speed zzz", []],
+    ]) {
+        await page.locator("#search").fill(search);
+        assert.deepEqual(await numbers(), found, search);
+    }
+    await go(page, "trace");
+    await page.locator("#trace-filter").fill("received voltage measurement2");
+    const texts = () => page.locator("#frames tbody tr").evaluateAll((rows) => rows.map(({ textContent }) => textContent));
+    await page.locator("#frames tbody").getByText("MEASUREMENT_2").first().waitFor();
+    assert.ok((await texts()).every((text) => text.includes("MEASUREMENT_2")));
 });
 
 /** Loads a text as a file of parameters. */
@@ -251,6 +369,7 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
     await inState(page, "Standby");
     await page.locator("#pause").click();
     await page.locator("#resume").waitFor();
+    assert.equal(await page.locator("#pace option:checked").textContent(), "real time");
     const digest = await digestOf(page);
     const instant = page.locator("#instant");
     const end = Number(await instant.getAttribute("max"));

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
-import { routes, start, violations } from "./browser.mjs";
+import { routes, start, unclear, unreadable, violations } from "./browser.mjs";
 
 let browser;
 before(async () => {
@@ -20,6 +20,8 @@ test("every route has its heading, fits a narrow screen, and breaks no rule of a
             const width = await page.evaluate(() => document.documentElement.scrollWidth);
             assert.ok(width <= 360, `${route} is ${width} px wide`);
             assert.deepEqual(await violations(page), [], `${route}, ${colorScheme}`);
+            assert.deepEqual(await unreadable(page), [], route);
+            assert.deepEqual(await unclear(page), [], `${route}, ${colorScheme}`);
         }
         assert.deepEqual(complaints, []);
     }

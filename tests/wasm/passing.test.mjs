@@ -101,6 +101,27 @@ function edited(link, change) {
     return deflateRawSync(JSON.stringify(change(packed))).toString("base64url");
 }
 
+test("a long link is repeated in few pieces, whatever the number of its inputs", async () => {
+    const inputs = 6000;
+    const run = { format: 1, setup: { motor: "bly172s-24v", options: { supplyVoltage: 24 } }, frames: ["aad5202xd0000000000000000"], after: Array(inputs).fill(500), what: Array(inputs).fill(0), ticks: 500 * inputs, digest: "0" };
+    const { page } = await browser.open({}, "#/learn");
+    await page.evaluate(() => {
+        globalThis.reports = 0;
+        const Plain = Worker;
+        globalThis.Worker = class extends Plain {
+            constructor(...args) {
+                super(...args);
+                this.addEventListener("message", ({ data }) => (globalThis.reports += Number(["ran", "repeating"].includes(data.kind))));
+            }
+        };
+    });
+    await page.evaluate((run) => location.assign(`#/operate/virtual?run=${run}`), deflateRawSync(JSON.stringify(run)).toString("base64url"));
+    await page.locator("#reproduced").getByText(/^Not reproduced: digest [0-9a-f]{16}, expected 0/).waitFor({ timeout: 120_000 });
+    await page.getByText(/control tick 3000000$/).waitFor();
+    const reports = await page.evaluate(() => globalThis.reports);
+    assert.ok(reports > 0 && reports < 100, `${reports} reports`);
+});
+
 test("a link that is none is told in words", async () => {
     const whole = { format: 1, setup: { motor: "bly172s-24v", options: { supplyVoltage: 24 } }, frames: [], after: [], what: [], ticks: 100, digest: "0" };
     const cases = [
@@ -173,7 +194,25 @@ test("a bus log opens as columns, and the panels show it without sending", async
     await page.getByText("Lines that are not frames: 1").waitFor();
     await page.locator("#play-log").click();
     await page.locator(".bar .link").getByText("Log bus.log").waitFor();
+    // It begins where the log begins, and time passes.
+    await page.locator("#log-play").click();
+    const instant = page.locator("#log-instant");
+    const [at, end] = await instant.evaluate(({ valueAsNumber, max }) => [valueAsNumber, Number(max)]);
+    assert.ok(at < end / 2, `${at} s of ${end} s`);
+    const seek = (seconds) =>
+        instant.evaluate((input, seconds) => {
+            input.value = String(seconds);
+            input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, seconds);
+    await seek(end);
     await inState(page, "Closed-loop Hall Effect Sensors");
+    const times = (frames) => bytes.toString().split("\n").filter((line) => frames.test(line)).map((line) => Number(line.slice(1, 18)));
+    // Just before the first set-point.
+    await seek(times(/0AAD5266#(?!0000)/)[0] - times(/#/)[0] - 0.01);
+    await inState(page, "Standby");
+    await page.locator("#log-play").click();
+    await inState(page, "Closed-loop Hall Effect Sensors");
+    await page.waitForFunction(() => document.querySelector("#log-instant").valueAsNumber > 1);
     assert.ok(await page.locator("#start").isDisabled());
     assert.deepEqual(complaints, []);
 });

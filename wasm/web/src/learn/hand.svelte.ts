@@ -58,7 +58,8 @@ export class Hand {
         }
         this.#time += FRAME;
         const now = trapezoid(this.#angle);
-        const crossed = trapezoid(before).findIndex((shape, phase) => shape * now[phase] < 0);
+        // A row may lie on the zero itself: it is the crossing, the next one is not.
+        const crossed = trapezoid(before).findIndex((shape, phase) => shape !== 0 && shape * now[phase] <= 0);
         const values: Partial<Row> = {
             time: this.#time,
             angle: wrap(this.#angle),

@@ -4,7 +4,7 @@ import type { BusFrame, MotorName, Mode } from "narx";
 import type { Action, Setup } from "./bench/messages";
 import { PWM_RATE, type Run } from "./bench/run";
 import { openAdapter } from "./link/adapter";
-import { play } from "./link/playback";
+import { Playback } from "./link/playback.svelte";
 import { virtualDrive } from "./link/virtual.svelte";
 import { session } from "./session.svelte";
 
@@ -68,7 +68,7 @@ export function connectRun(run: Run): Promise<void> {
 
 /** Connects a bus log: the master receives the logged frames, and sends nothing. */
 export function connectLog(name: string, frames: readonly BusFrame[]): Promise<void> {
-    return session.connect(async (listener) => play(name, frames, listener), { ...master(), silent: true });
+    return session.connect(async (listener) => new Playback(name, frames, listener), { ...master(), silent: true });
 }
 
 /** Asks the user for a serial port, and connects the adapter. */

@@ -3,9 +3,9 @@
 import type { BusFrame } from "narx";
 
 /** Largest number of frames that are kept; the oldest are removed. */
-const KEPT = 200_000;
+const KEPT = 100_000;
 /** Number of frames that are removed at once. */
-const DROPPED = 20_000;
+const DROPPED = 10_000;
 
 class Trace {
     /** Increases with every change: effects that read `frames` depend on it. */

@@ -10,11 +10,10 @@ export type Kit = Pick<typeof import("narx"), "Bench" | "Motor">;
 
 /** Rows a second, at most. */
 const ROWS = 1000;
-/** Largest number of copies of the bench, and their first distance in ticks. Copies are expensive: each holds
- * the recording up to its instant. */
+/** Largest number of copies of the bench, and their first distance in ticks. */
 const [COPIES_MAX, COPIES_APART] = [12, 50_000];
-/** Longest run at once if its rows are not needed, ticks. */
-const PIECE = 1_000_000;
+/** Longest run at once if its rows are not needed, ticks: requests are handled in between. */
+const PIECE = 50_000;
 
 interface Copy {
     bench: Bench;
@@ -35,11 +34,14 @@ export class JournalledBench {
     #copies: Copy[] = [];
     #apart = COPIES_APART;
 
-    /** Throws for an invalid set-up. */
-    constructor(setup: Setup, kit: Kit) {
+    /** Throws for an invalid set-up. With a run, `skip` and `seek` repeat it. */
+    constructor(setup: Setup, kit: Kit, run?: Run) {
         this.setup = setup;
         this.#kit = kit;
-        this.#bench = this.#powered();
+        // Without a recording: it grows by 50 KB in a second, in every copy of the bench.
+        this.#bench = this.#powered(false);
+        this.#inputs = [...(run?.inputs ?? [])];
+        this.#end = run?.ticks ?? 0;
     }
 
     get bench(): Bench {
@@ -67,13 +69,20 @@ export class JournalledBench {
         return seen;
     }
 
+    /** Repeats a piece of the run, at most up to a tick; returns its frames. */
+    skip(tick: number): BusFrame[] {
+        this.#repeat(Math.min(tick, this.#bench.ticks + PIECE), (ticks) => this.#bench.run(ticks / this.#bench.tickRate, false).free());
+        this.#keep();
+        return this.#bench.takeFrames();
+    }
+
     /** Returns to an instant of the run; returns the rows and frames of the `before` ticks before it. */
     seek(tick: number, before: number): { rows: Rows; frames: BusFrame[] } {
         const instant = Math.min(Math.max(tick, 0), this.#end);
         const first = Math.max(instant - before, 0);
         const copy = this.#copies.findLast((copy) => copy.tick <= first);
         this.#bench.free();
-        [this.#bench, this.#applied] = copy ? [copy.bench.copy(), copy.applied] : [this.#powered(), 0];
+        [this.#bench, this.#applied] = copy ? [copy.bench.copy(), copy.applied] : [this.#powered(false), 0];
         this.#repeat(first, (ticks) => this.#bench.run(ticks / this.#bench.tickRate, false).free());
         this.#bench.takeFrames();
         const seen: { rows: Rows; frames: BusFrame[] }[] = [];
@@ -86,8 +95,14 @@ export class JournalledBench {
     }
 
     /** Returns everything that determines the run so far. */
-    run(): Run {
-        return { setup: this.setup, inputs: this.#inputs.slice(0, this.#applied), ticks: this.#bench.ticks, digest: this.#bench.digest };
+    async run(): Promise<Run> {
+        const [inputs, ticks] = [this.#inputs.slice(0, this.#applied), this.#bench.ticks];
+        return { setup: this.setup, inputs, ticks, digest: await this.#recorded(({ digest }) => digest) };
+    }
+
+    /** Returns the recording of the drive since it last booted. */
+    recording(): Promise<Uint8Array> {
+        return this.#recorded((bench) => bench.recording());
     }
 
     free(): void {
@@ -95,11 +110,27 @@ export class JournalledBench {
         this.#copies.splice(0).forEach(({ bench }) => bench.free());
     }
 
-    #powered(): Bench {
+    /** Runs the run so far again, with a recording. */
+    async #recorded<T>(result: (bench: Bench) => T): Promise<T> {
+        const [bench, inputs, end] = [this.#powered(true), this.#inputs.slice(0, this.#applied), this.#bench.ticks];
+        try {
+            let applied = 0;
+            do {
+                applied = repeat(bench, inputs, applied, Math.min(end, bench.ticks + PIECE), (ticks) => bench.run(ticks / bench.tickRate, false).free());
+                bench.takeFrames();
+                await new Promise((resolve) => setTimeout(resolve));
+            } while (bench.ticks < end);
+            return result(bench);
+        } finally {
+            bench.free();
+        }
+    }
+
+    #powered(recording: boolean): Bench {
         const motor = this.#kit.Motor.preset(this.setup.motor);
         try {
             // The master on the page is the operator.
-            return new this.#kit.Bench(motor, { ...this.setup.options, operator: false });
+            return new this.#kit.Bench(motor, { ...this.setup.options, operator: false, recording });
         } finally {
             motor.free();
         }
@@ -113,20 +144,9 @@ export class JournalledBench {
         return { rows, frames: this.#bench.takeFrames() };
     }
 
-    /** Runs up to `tick`, with the inputs of the journal at their ticks; `run` runs the bench for some
-     * ticks. */
+    /** Runs up to `tick`, with the inputs of the journal. */
     #repeat(tick: number, run: (ticks: number) => void): void {
-        for (;;) {
-            while ((this.#inputs[this.#applied]?.tick ?? Infinity) <= this.#bench.ticks) {
-                apply(this.#bench, this.#inputs[this.#applied]);
-                this.#applied += 1;
-            }
-            const next = Math.min(tick, this.#inputs[this.#applied]?.tick ?? tick, this.#bench.ticks + PIECE);
-            if (next <= this.#bench.ticks) {
-                return;
-            }
-            run(next - this.#bench.ticks);
-        }
+        this.#applied = repeat(this.#bench, this.#inputs, this.#applied, tick, run);
     }
 
     /** Removes later inputs and copies: the run continues differently from here. */
@@ -152,6 +172,22 @@ export class JournalledBench {
             this.#copies.filter((_, index) => index % 2 === 0).forEach(({ bench }) => bench.free());
             this.#copies = this.#copies.filter((_, index) => index % 2 === 1);
         }
+    }
+}
+
+/** Runs a bench up to `tick`, with the inputs at their ticks, and returns the number of inputs that it has had.
+ * `applied`: the number before; `run` runs the bench for some ticks. */
+function repeat(bench: Bench, inputs: readonly Input[], applied: number, tick: number, run: (ticks: number) => void): number {
+    for (;;) {
+        while ((inputs[applied]?.tick ?? Infinity) <= bench.ticks) {
+            apply(bench, inputs[applied]);
+            applied += 1;
+        }
+        const next = Math.min(tick, inputs[applied]?.tick ?? tick);
+        if (next <= bench.ticks) {
+            return applied;
+        }
+        run(next - bench.ticks);
     }
 }
 

@@ -37,7 +37,9 @@ export type Answer =
     | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionKind[] }
     | { kind: "opened"; setup: Setup; speedMin: number; speedMax: number; notes: string[]; tickRate: number }
     | { kind: "ran"; now: Now; rows: Rows; frames: BusFrame[] }
-    /** Answer to "seek": rows and frames just before that instant. */
+    /** A run is being repeated; the time that it has reached. */
+    | { kind: "repeating"; now: Now }
+    /** Answer to "seek", and the end of a repeated run: rows and frames just before that instant. */
     | { kind: "sought"; now: Now; rows: Rows; frames: BusFrame[] }
     | { kind: "reproduced"; digest: string; expected: string }
     | { kind: "run"; run: Run }

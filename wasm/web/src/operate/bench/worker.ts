@@ -1,6 +1,6 @@
 // The bench in a worker: it runs in step with the clock, and the page only draws.
 
-import init, { Bench, Motor } from "narx";
+import init, { Bench, Motor, type BusFrame } from "narx";
 import { JournalledBench, type Kit } from "./journal";
 import type { Answer, MotorEntry, Request, Rows, Setup } from "./messages";
 import type { Run } from "./run";
@@ -15,12 +15,14 @@ const BEHIND_MAX = 0.05;
 /** Largest number of reports that the page has not processed yet. A busy page stops the time of the bench, so
  * that its set-points do not come too late. */
 const UNACKNOWLEDGED_MAX = 2;
-/** Ticks between two reports of a run that is repeated. */
-const REPORT = 5000;
 /** Length of the rows and frames that are sent before an instant to which a run returns, s: enough for the
  * rolling plots, and for a new master. */
 const BEFORE = 8;
+/** Opcode of answers about parameters, in the low bits of an identifier. */
+const [OPCODE, PARAMETER] = [0x1ff, 110];
 
+/** The run that is being repeated; a request that changes its course ends this. */
+let repeated: JournalledBench | undefined;
 let journal: JournalledBench | undefined;
 let pace = 1;
 let before = 0;
@@ -61,6 +63,7 @@ async function open(request: Request & { kind: "open" }): Promise<void> {
 
 function begin(opened: JournalledBench): void {
     journal?.free();
+    repeated = undefined;
     journal = opened;
     due = 0;
     const { speedMin, speedMax, notes, tickRate } = opened.bench;
@@ -70,33 +73,34 @@ function begin(opened: JournalledBench): void {
 /** Repeats a run as fast as possible, and stops the time at its end; ends early if another drive is
  * opened. */
 async function reproduce(run: Run): Promise<void> {
-    const repeated = new JournalledBench(run.setup, await kit(run.setup));
+    const made = new JournalledBench(run.setup, await kit(run.setup), run);
     pace = 0;
-    begin(repeated);
-    const until = async (tick: number) => {
-        while (journal === repeated && repeated.bench.ticks < tick) {
-            report(repeated, Math.min(tick - repeated.bench.ticks, REPORT));
-            // Lets requests be handled in between.
-            await new Promise((resolve) => setTimeout(resolve));
-        }
-        return journal === repeated;
-    };
-    for (const input of run.inputs) {
-        if (!(await until(input.tick))) {
+    begin(made);
+    repeated = made;
+    const begins = run.ticks - BEFORE * made.bench.tickRate;
+    const parameters: BusFrame[] = [];
+    while (made.bench.ticks < begins) {
+        parameters.push(...made.skip(begins).filter(({ id, extended }) => extended && (id & OPCODE) === PARAMETER));
+        answer({ kind: "repeating", now: made.now(pace) });
+        // Lets requests be handled in between.
+        await new Promise((resolve) => setTimeout(resolve));
+        if (repeated !== made) {
             return;
         }
-        repeated.act(input);
     }
-    if (await until(run.ticks)) {
-        answer({ kind: "reproduced", digest: repeated.bench.digest, expected: run.digest });
+    seek(run.ticks, parameters);
+    const { digest } = await made.run();
+    if (repeated === made) {
+        answer({ kind: "reproduced", digest, expected: run.digest });
     }
 }
 
-function seek(tick: number): void {
+/** Returns to a tick. `earlier`: frames from before those that the page gets. */
+function seek(tick: number, earlier: readonly BusFrame[] = []): void {
     const sought = opened();
     const { rows, frames } = sought.seek(tick, BEFORE * sought.bench.tickRate);
     [pace, due] = [0, 0];
-    answer({ kind: "sought", now: sought.now(pace), rows, frames }, buffers(rows));
+    answer({ kind: "sought", now: sought.now(pace), rows, frames: [...earlier, ...frames] }, buffers(rows));
 }
 
 function turn(): void {
@@ -123,6 +127,9 @@ function opened(): JournalledBench {
 }
 
 function handle(request: Request): void | Promise<void> {
+    if (["act", "step", "seek"].includes(request.kind) || (request.kind === "pace" && request.pace > 0)) {
+        repeated = undefined;
+    }
     switch (request.kind) {
         case "open":
             return open(request);
@@ -142,9 +149,9 @@ function handle(request: Request): void | Promise<void> {
         case "reproduce":
             return reproduce(request.run);
         case "run":
-            return answer({ kind: "run", run: opened().run() });
+            return opened().run().then((run) => answer({ kind: "run", run }));
         case "recording":
-            return answer({ kind: "recording", bytes: opened().bench.recording() });
+            return opened().recording().then((bytes) => answer({ kind: "recording", bytes }));
     }
 }
 

@@ -23,6 +23,8 @@ class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
     now = $state.raw<Now>({ time: 0, ticks: 0, end: 0, pace: 1 });
+    /** Simulated seconds in a second while time runs. */
+    pace = $state(1);
     reproduced = $state.raw<Reproduced>();
     /** Reason why the last request was refused. */
     problem = $state<string>();
@@ -58,10 +60,14 @@ class VirtualDrive {
         this.#ask({ kind: "act", actions: [action] });
     }
 
-    /** Sets the simulated seconds in a second; 0 stops the time. */
-    setPace(pace: number): void {
-        this.#repeats &&= pace === 0;
-        this.#ask({ kind: "pace", pace });
+    pause(): void {
+        this.#ask({ kind: "pace", pace: 0 });
+    }
+
+    /** Lets the time run at `pace`. */
+    resume(): void {
+        this.#repeats = false;
+        this.#ask({ kind: "pace", pace: this.pace });
     }
 
     step(ticks: number): void {
@@ -176,6 +182,7 @@ class VirtualDrive {
                 break;
             case "opened":
                 this.opened = answer;
+                this.pace = 1;
                 this.rows.clear();
                 break;
             case "ran":
@@ -185,6 +192,9 @@ class VirtualDrive {
                 // In a microtask, so that it follows the frames that the page sends in reaction to the
                 // report.
                 return queueMicrotask(() => this.#worker?.postMessage({ kind: "received" } satisfies Request));
+            case "repeating":
+                this.now = answer.now;
+                return;
             case "sought":
                 return this.#return(answer);
             case "reproduced":
