@@ -92,7 +92,6 @@ static const narx_coefficients_t coefficients = {
         },
         .timeout = 32768000,
         .rest = 50,
-        .brake = 256,
         .align = 1430,
         .align_rate = 424096563,
         .align_level = 226492,
@@ -150,7 +149,6 @@ static const narx_coefficients_t coefficients = {
         .hall_stall_ticks = 5000,
         .supply_low = 1179648,
         .ticks_per_ms = 2560,
-        .invalid_weight = 64,
     },
     .machine = {
         .open_loop_enable = false,

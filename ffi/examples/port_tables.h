@@ -117,7 +117,7 @@ static const struct narx_port_fault narx_port_faults[26] = {
     {0x0602u, UINT32_C(0)}, /* hall sectors skipped (5 more than one in 13 ms) */
     {0x0603u, UINT32_C(0)}, /* torque applied at speed 0 (parameter 113) for the stall time (parameter 265) */
     {0x0604u, UINT32_C(0)}, /* hall edges run against the torque: wiring, or a load that drives backwards */
-    {0x0605u, UINT32_C(0)}, /* hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit */
+    {0x0605u, UINT32_C(0)}, /* the motor goes on without its hall sensors (parameter 308); no fault bit */
     {0x0701u, UINT32_C(10000)}, /* pressure above its threshold */
     {0x1A01u, UINT32_C(0)}, /* parameter store has another layout */
     {0x1B01u, UINT32_C(0)}, /* hardware break input */
@@ -126,7 +126,7 @@ static const struct narx_port_fault narx_port_faults[26] = {
     {0x1B04u, UINT32_C(0)}, /* the sensorless motor stalls or does not start, five times (one is forgiven in 10 s) */
     {0x1B05u, UINT32_C(0)}, /* zero crossings jump by more than half an interval, five times (one is forgiven in 10 s) */
     {0x1B06u, UINT32_C(0)}, /* sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s) */
-    {0x1B07u, UINT32_C(0)}, /* back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit */
+    {0x1B07u, UINT32_C(0)}, /* the motor goes on with its hall sensors (parameter 308); no fault bit */
     {0x1C01u, UINT32_C(0)}, /* shutdown requested over CAN (motor mode 3) */
     {0x1C02u, UINT32_C(1000)}, /* the digital input configured for shutdown */
     {0x1D01u, UINT32_C(0)}, /* no valid command while driving for the time-out (parameter 114) */

@@ -617,7 +617,7 @@ typedef enum narx_parameter_status_t {
 // Extended fault code: hall edges run against the torque: wiring, or a load that drives backwards.
 #define NARX_CAUSE_HALL_DIRECTION 0x604u
 
-// Extended fault code: hall sensors fail while the motor turns, which goes on without them (parameter 308); no fault bit.
+// Extended fault code: the motor goes on without its hall sensors (parameter 308); no fault bit.
 #define NARX_CAUSE_HALLS_GIVEN_UP 0x605u
 
 // Extended fault code: pressure above its threshold.
@@ -644,7 +644,7 @@ typedef enum narx_parameter_status_t {
 // Extended fault code: sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s).
 #define NARX_CAUSE_WRONG_LOCK 0x1B06u
 
-// Extended fault code: back-EMF is lost while the motor turns, which goes on with hall sensors (parameter 308); no fault bit.
+// Extended fault code: the motor goes on with its hall sensors (parameter 308); no fault bit.
 #define NARX_CAUSE_BACK_EMF_GIVEN_UP 0x1B07u
 
 // Extended fault code: shutdown requested over CAN (motor mode 3).
@@ -1474,8 +1474,6 @@ typedef struct narx_protection_coefficients_t {
     int32_t supply_low;
     // Ticks in a millisecond, 1/256: the leak of the plausibility counts.
     uint16_t ticks_per_ms;
-    // Weight of a tick with an invalid hall code, 1/64 of a period of 100 us.
-    uint16_t invalid_weight;
 } narx_protection_coefficients_t;
 
 // Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
@@ -2410,8 +2408,6 @@ typedef struct narx_sensorless_coefficients_t {
     uint32_t timeout;
     // Silent terminals for this long mean a rotor at rest.
     uint32_t rest;
-    // A rotor that turns backward is braked for this long before the drive listens again.
-    uint32_t brake;
     // Two locks together.
     uint32_t align;
     // Rise of the lock level a millisecond, 16 extra bits.

@@ -122,7 +122,6 @@ static const narx_protection_coefficients_t fault_ready = {
     .hall_stall_ticks = 5000,
     .supply_low = 1179648,
     .ticks_per_ms = 2560,
-    .invalid_weight = 64,
 };
 static const narx_machine_coefficients_t state_ready = {
     .open_loop_enable = false,
