@@ -56,7 +56,7 @@ def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:
     assert run("coefficients", str(file), virtual=False).stdout == example
     board.write_text("tick_rate = 20000\n[bus_current]\nzero = 100\nmicro_per_code = 500\n")
     other = run("coefficients", str(file), "--board", str(board), "--name", "pump", virtual=False).stdout
-    assert "narx_coefficients_t pump = {" in other and ".ticks_per_ms = 20," in other and other.count(".gain = 83885006") == 3 and example.count(".gain = 34359738") == 1
+    assert "narx_coefficients_t pump = {" in other and ".ticks_per_ms = 5120," in other and other.count(".gain = 83885006") == 3 and example.count(".gain = 34359738") == 1
     for argument, message in [
         ("--name=2nd", 'name "2nd": is not a name in C'),
         (f"--board={file}", f'file "{file}": '),
