@@ -167,7 +167,9 @@ class Emulator:
         while True:
             try:
                 return opened(**self.bus, **options)
-            except can.CanInitializationError:
+            except (can.CanInitializationError, narx.BusError) as error:
+                if isinstance(error, narx.BusError) and not isinstance(error.__cause__, can.CanError):
+                    raise
                 assert self._process.poll() is None, f"the emulator ended with {self._process.returncode}"
                 assert time.monotonic() < deadline, "the emulator opens no port"
                 time.sleep(0.05)
