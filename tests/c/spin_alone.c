@@ -98,7 +98,7 @@ int main(int argc, char **argv)
     CHECK(command.duty == 0 && command.step == NARX_STEP_COAST);
     CHECK(bench_init(sensorless) == 0);
     from_parameters = built();
-    CHECK(narx_motor_init(&motor, sizeof motor - 8, &from_parameters) == NARX_ERROR_SIZE);
+    CHECK(narx_motor_init(&motor, sizeof motor / 2, &from_parameters) == NARX_ERROR_SIZE);
     CHECK(narx_motor_init(&motor, sizeof motor, NULL) == NARX_ERROR_NULL);
     CHECK(narx_motor_init(&motor, sizeof motor, &from_parameters) == NARX_OK);
     CHECK(narx_motor_init(&printed, sizeof printed, &coefficients) == NARX_OK);

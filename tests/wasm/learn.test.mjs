@@ -148,8 +148,8 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
     await shows(handedOver - 0.2);
     await page.locator('[data-reading="state"]').getByText("3 Open-loop").waitFor();
     assert.equal(await page.locator('[data-reading="crossing"]').textContent(), "accepted");
-    // 0.4 s before, in the lock.
-    await slide(page, "Look back", -4000);
+    // 0.15 s before, in the lock.
+    await slide(page, "Look back", -1500);
     await page.locator('[data-reading="state"]').getByText("2 Rotor lock").waitFor();
     assert.match(await page.locator('[data-reading="step"]').textContent(), /^lock /);
     assert.deepEqual(complaints, []);
@@ -157,7 +157,7 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
 
 test("demagnetisation: current and inductance hold the terminal at the rail until crossings come late", async () => {
     const { page, complaints } = await open("demagnetisation", STILL);
-    await reaches(page, "clamped", 0, 1);
+    await reaches(page, "clamped", 0, 2);
     await reaches(page, "late", 0, 0);
     await slide(page, /Load/, 140);
     await slide(page, /Inductance/, 4);

@@ -1,5 +1,5 @@
-// The states of the specification (section 7) and their transitions (Table 7), with their places in the
-// picture.
+// The states of the specification (section 7) and their transitions (Table 7, and our own T45 and T54), with
+// their places in the picture.
 
 export interface State {
     name: string;
@@ -52,9 +52,11 @@ export const TRANSITIONS: Transition[] = [
     { name: "T34", from: 3, to: 4, when: "the open-loop time is over, and sensorless mode is enabled", bend: 0 },
     { name: "T36", from: 3, to: 6, when: FAULT, bend: -14, at: 0.24 },
     { name: "T41", from: 4, to: 1, when: STANDBY, bend: 84, at: 0.24 },
+    { name: "T45", from: 4, to: 5, when: "the estimated speed is 0, and the hall sensors show a rotor that turns (parameter 308)", bend: 16, above: -10 },
     { name: "T46", from: 4, to: 6, when: FAULT, bend: -6, at: 0.3 },
     { name: "T47", from: 4, to: 7, when: "the estimated speed is 0", bend: 12 },
     { name: "T51", from: 5, to: 1, when: STANDBY, bend: 16, above: -10 },
+    { name: "T54", from: 5, to: 4, when: "the hall sensors fail, and the terminals show a rotor that turns (parameter 308)", bend: 16, above: 10 },
     { name: "T56", from: 5, to: 6, when: FAULT, bend: 0, at: 0.74 },
     { name: "T61", from: 6, to: 1, when: "the cause is gone, and Standby has been requested since", bend: -14, at: 0.4 },
     { name: "T71", from: 7, to: 1, when: `${STANDBY}, or the rotor stands still after 2 s`, bend: 0, at: 0.2 },
