@@ -30,7 +30,7 @@ class Group(TyperGroup):
             finally:
                 sys.stdout.flush()
         except BrokenPipeError:
-            # What is left in the buffer is flushed at the end of the program.
+            # The interpreter flushes its buffer again when it ends, where nobody reads it either.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
 
