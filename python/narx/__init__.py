@@ -12,7 +12,7 @@ True
 
 from narx import blocks
 from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
-from narx.bench import Bench
+from narx.bench import Bench, RunInterrupted
 from narx.can_log import CanLog
 from narx.columns import Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
@@ -21,6 +21,7 @@ from narx.errors import (
     BusError,
     DescriptionWarning,
     ImageError,
+    MissingError,
     NarxError,
     NarxWarning,
     NoAnswerError,
@@ -37,6 +38,7 @@ from narx.messages import Message, NodeMessage, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeRecording, ScopeState, Trigger
+from narx.signals import Crossing, Fault, Limiter
 from narx.sweep import Sweep, SweepInterrupted, sweep
 from narx.trace import Trace
 from narx.tx_driver import Reading, TxDriver
@@ -47,17 +49,21 @@ __all__ = [
     "Bench",
     "BusError",
     "CanLog",
+    "Crossing",
     "DescriptionWarning",
     "Drive",
+    "Fault",
     "Frames",
     "ImageError",
     "Info",
+    "Limiter",
     "Load",
     "Log",
     "LogError",
     "Measurement",
     "Measurements",
     "Message",
+    "MissingError",
     "Motor",
     "NarxError",
     "NarxWarning",
@@ -71,6 +77,7 @@ __all__ = [
     "RecordingError",
     "RefusedError",
     "Replay",
+    "RunInterrupted",
     "Scope",
     "ScopeRecording",
     "ScopeState",

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Literal
 
 from narx import _core, given
 from narx._core import Load, Motor
+from narx.courses import Course, Courses, LoadCourse
 from narx.drive import Drive
 from narx.link import BenchLink
+from narx.progress import bar
+from narx.rows import Rows
 from narx.trace import Trace
 
-
+STRETCH = 1.0
+"""Simulated time between two steps of the progress bar, s."""
 SUPPLY = 48.0
 """Supply voltage of a motor that is no preset's name, V."""
 
@@ -46,11 +51,29 @@ class Bench:
         if supply_voltage is None:
             supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
         self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
-        self._drive = Drive(BenchLink(self._bench))
+        self._courses = Courses(self._bench)
+        self._motor = whole
+        self._drive = Drive(BenchLink(self))
         self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
 
     def __repr__(self) -> str:
         return f"<narx.Bench of {self._about}: {self._drive._described()}>"
+
+    def copy(self) -> Bench:
+        """Returns a copy of the bench as it stands, to try several continuations of one experiment: the same
+        calls give the same bits on both. Functions that give load or supply are shared. TX-Drivers are copied;
+        a `narx.TxDriver` operates the node of its own bench only."""
+        copied = Bench.__new__(Bench)
+        copied._bench = self._bench.copy()
+        copied._courses = self._courses.copy(copied._bench)
+        copied._motor, copied._about = self._motor, self._about
+        copied._drive = Drive(BenchLink(copied))
+        return copied
+
+    @property
+    def motor(self) -> Motor:
+        """The motor."""
+        return self._motor
 
     @property
     def drive(self) -> Drive:
@@ -70,17 +93,48 @@ class Bench:
 
     @property
     def notes(self) -> list[str]:
-        """Limits of the drive that restrict this motor, a sentence each."""
-        return self._bench.notes
+        """Limits of the drive that restrict this motor, a sentence each; and whether the winding has been
+        hotter than the motor's `max_winding_temperature`."""
+        hottest, time = self._bench.hottest
+        most = self._motor.max_winding_temperature
+        burnt = f"the winding has reached {hottest:.0f} degrees Celsius at {time:.1f} s, and may have {most:.0f}: this motor would be damaged"
+        return self._bench.notes + [burnt] * (hottest > most)
 
-    def run(self, seconds: float, trace: bool = True) -> Trace:
+    def run(
+        self,
+        seconds: float,
+        trace: bool = True,
+        *,
+        signals: Sequence[str] | None = None,
+        every: int = 1,
+        to: str | PathLike[str] | None = None,
+        progress: bool | None = None,
+    ) -> Trace:
         """Runs the simulation for `seconds`, to the nearest control tick, and returns the rows of this run,
-        one per tick. Without `trace` it keeps no rows, which is faster."""
+        one per tick. Without `trace` it keeps no rows, which is faster.
+
+        For long runs: signals: names of those to keep besides "time". every: keeps one row of this many ticks.
+        to: a .parquet file, to which rows are written as the run goes on instead of into the trace; the
+        memory stays the same whatever the length. progress: whether to show a progress bar of tqdm; by
+        default after 1 s, if tqdm is installed and the output is a terminal or a notebook. Raises
+        SignalError for a signal that does not exist, ParameterError for another argument out of range, and
+        MissingError without the library of a file. Ctrl-C raises RunInterrupted, whose `.trace` has the rows
+        so far.
+        """
+        seconds = given.seconds(seconds)
         # Removes rows of earlier calls that waited: they belong to no run.
-        self._bench.drop_rows()
-        self._bench.advance(seconds, trace)
-        columns, units, recording = self._bench.take_run()
-        return Trace(columns, units, recording)
+        with Rows(self._bench, signals, every, to) as rows, bar(seconds, "s", progress) as step:
+            end = self.time + seconds
+            try:
+                while (left := end - self.time) > STRETCH:
+                    self._courses.advance(STRETCH, trace)
+                    rows.take(trace)
+                    step(STRETCH)
+                self._courses.advance(max(left, 0.0), trace)
+            except KeyboardInterrupt:
+                raise RunInterrupted(rows.end()) from None
+            step(left)
+            return rows.end()
 
     def inject(
         self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False
@@ -113,9 +167,27 @@ class Bench:
         """
         self._bench.add_tx_driver(node_id, channels, encoder, measuring_range)
 
-    def set_load(self, load: Load) -> None:
-        """Replaces the load on the shaft."""
-        self._bench.set_load(given.load(load))
+    def set_load(self, load: LoadCourse) -> None:
+        """Replaces the load on the shaft.
+
+        load: a `narx.Load`; a number, which is a torque that opposes the motion, N m; a function of the time since power-up (s) that returns one of them; or a pair of times
+        (s) and torques (N m), between which torques are interpolated. A load that changes is set every
+        millisecond. `narx.Load(machine=...)` is a dynamometer, which can drive the shaft. Raises ParameterError for any other, and during a run for a value out of range.
+        """
+        self._courses.set_load(load)
+
+    def set_supply(
+        self, voltage: Course | None = None, resistance: float | None = None, may_sink: bool | None = None
+    ) -> None:
+        """Changes the supply; what is `None` stays.
+
+        voltage: open-circuit voltage, 0 to 80 V; a number, a function of the time since power-up (s), or a
+        pair of times (s) and voltages, as of `set_load`. resistance: of the source, 0 to 100 ohm; 0.1 at
+        first. may_sink: takes current back, as a battery does; at first it does not, and a motor that brakes
+        pumps the bus up. Raises ParameterError for a value out of range.
+        """
+        self._bench.set_supply(resistance=resistance, may_sink=may_sink)
+        self._courses.set_supply(voltage)
 
     def set_input(self, name: str, value: float) -> None:
         """Sets a slow input of the board to a value: one of `inputs`, in the unit of its measured
@@ -131,3 +203,11 @@ class Bench:
     def faults(self) -> list[str]:
         """Names of the faults that `inject` knows."""
         return self._bench.faults()
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a run: `trace` has the rows so far, and the bench goes on from there."""
+
+    def __init__(self, trace: Trace) -> None:
+        super().__init__(f"interrupted after {len(trace)} rows")
+        self.trace = trace

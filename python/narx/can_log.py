@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from narx import _core, table
 from narx.columns import Frames, LogError, Series, Table, folded
 from narx.errors import SignalError
+from narx.extras import need
 from narx.messages import Message, NodeMessage, decode_parts
 from narx.names import suggestion
 from narx.parameters import Parameters
@@ -113,6 +114,9 @@ class CanLog:
         """Iterates over the names of the messages in the log."""
         return iter(self.counts)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self, *self.signals]
+
     def __contains__(self, key: object) -> bool:
         return isinstance(key, str) and folded(key) in map(folded, (*self.counts, *self.signals))
 
@@ -200,8 +204,11 @@ class CanLog:
         one after those of the other, and a column "lap", from 0. Raises SignalError for a name that is not a
         signal, ParameterError for a period that is not at least a microsecond.
         """
-        from pandas import DataFrame, concat
+        frame: DataFrame = need("pandas").DataFrame(self._side_by_side(signals, period))
+        return frame
 
+    def _side_by_side(self, signals: tuple[str, ...], period: float | None) -> dict[str, NDArray[Any]]:
+        """Returns the columns of `to_pandas`."""
         if period is not None:
             period = _core.number("period", period, "s", 1e-6)
         chosen = {name: self[name] for name in signals} if signals else self._all()
@@ -209,9 +216,11 @@ class CanLog:
             if not isinstance(series, Series):
                 raise SignalError(f'"{name}" is a message: its table has a to_pandas of its own')
         if len(self.laps) == 1:
-            return DataFrame(held(chosen, period))
-        parts = [DataFrame({"lap": number} | held(lap._those_of(chosen), period)) for number, lap in enumerate(self.laps)]
-        return concat(parts, ignore_index=True)[["time", "lap", *chosen]]
+            return held(chosen, period)
+        parts = [held(lap._those_of(chosen), period) for lap in self.laps]
+        for number, part in enumerate(parts):
+            part["lap"] = np.full(len(part["time"]), number)
+        return {name: np.concatenate([part[name] for part in parts]) for name in ("time", "lap", *chosen)}
 
     def _those_of(self, chosen: Mapping[str, Series]) -> dict[str, Series]:
         """Returns the signals of a lap; one that did not come in it has no value."""
@@ -227,7 +236,7 @@ class CanLog:
         """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`. period: s. Raises ParameterError
         for any other name."""
         table.check(path)
-        table.save(self.to_pandas(*signals, period=period), path)
+        table.save(self._side_by_side(signals, period), path)
 
     def _rows(self, table: Table) -> NDArray[np.intp]:
         """Returns the indices of a table's messages among the frames."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from narx import _core
+from narx.extras import need
 from narx.trace import Trace
 
 if TYPE_CHECKING:
@@ -71,13 +72,12 @@ class Frames:
 
     def to_pandas(self) -> DataFrame:
         """Returns a data frame with a row per frame, its data as bytes."""
-        from pandas import DataFrame
-
         data = [row[:length].tobytes() for row, length in zip(self.data, self.dlc, strict=True)]
         channel = [self.channels[place] for place in self.channel]
         flags = {name: self.flag(name) for name in FLAGS}
         columns = {"time": self.time, "channel": channel, "id": self.id, **flags, "dlc": self.dlc, "data": data}
-        return DataFrame(columns)
+        frame: DataFrame = need("pandas").DataFrame(columns)
+        return frame
 
 
 class Series:

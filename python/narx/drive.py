@@ -11,10 +11,11 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 from warnings import warn
 
-from narx import _core, given
+from narx import _core, given, table
 from narx._core import State
 from narx.description import describe
 from narx.errors import BusError, NarxError, NarxWarning, NoAnswerError, ParameterError, RefusedError, SignalError, SpeedWarning
+from narx.extras import EXTRAS, need
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -82,6 +83,14 @@ class Measurements(Mapping[str, float]):
 
     def __len__(self) -> int:
         return len(self._known)
+
+    def _repr_html_(self) -> str:
+        known = self._known.values()
+        columns: dict[str, list[Any]] = {"value": [one.value for one in known], "unit": [one.unit for one in known], "time [s]": [one.time for one in known]}
+        return table.html("narx.Measurements", {"measurement": list(self._known)} | columns, rows=len(known))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._known)
 
     def __repr__(self) -> str:
         rows = (f"  {name}: {known.value:g} {known.unit}".rstrip() for name, known in self._known.items())
@@ -301,7 +310,7 @@ class Drive:
         after its restart restores the previous image.
         """
         try:
-            update(self._link, Path(path).read_bytes(), progress)
+            update(self._link, given.path(path).read_bytes(), progress)
         finally:
             # The new image may have other tables.
             self._link.is_described = isinstance(self._link, BenchLink)
@@ -448,19 +457,18 @@ def connect(
 def opened(interface: str, channel: str | int | None, bitrate: int, options: dict[str, Any]) -> can.BusABC:
     """Opens a bus. Raises ParameterError for an interface that python-can does not have, BusError for one
     that cannot be opened, whatever its driver raises."""
-    import can
-
+    can = need("can")
     if interface not in can.VALID_INTERFACES:
         names = ", ".join(sorted(can.VALID_INTERFACES))
         raise ParameterError(f'there is no interface "{interface}"{suggestion(interface, can.VALID_INTERFACES)}; there are {names}')
     try:
-        return can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+        return can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)  # type: ignore[no-any-return]
     except Exception as error:
         if isinstance(error.__cause__, NarxError):
             raise error.__cause__ from None
         reason = str(error) if isinstance(error, can.CanError | OSError | ImportError) else f"{type(error).__name__}: {error}"
         if interface in SERIAL and find_spec("serial") is None:
-            reason = "it needs pyserial: pip install 'narx[can]'"
+            reason = f"it needs pyserial: pip install 'narx[{EXTRAS['serial']}]'"
         raise BusError(f'interface "{interface}", channel {channel}: {reason}') from error
 
 
@@ -482,8 +490,7 @@ def let_go(bus: can.BusABC) -> None:
 def devices(*interfaces: str) -> list[dict[str, Any]]:
     """Returns the adapters that can be opened: keyword arguments of `connect`, as python-can finds them, for
     all interfaces or the named ones."""
-    import can
-
+    can = need("can")
     return [dict(found) for found in can.detect_available_configs(list(interfaces) or None)]
 
 

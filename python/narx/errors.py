@@ -50,6 +50,10 @@ class BusError(NarxError, OSError):
     """The adapter or its bus does not work any more."""
 
 
+class MissingError(NarxError, ImportError):
+    """A library of an extra is not installed; the message has the command that installs it."""
+
+
 class NarxWarning(UserWarning):
     """A request is carried out in another way than requested, or its result cannot be known."""
 

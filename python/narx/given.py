@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from narx import _core
@@ -28,6 +30,17 @@ def motor(value: Motor | str) -> Motor:
     if not isinstance(value, Motor):
         raise ParameterError(f"motor {value!r}: must be a narx.Motor or the name of a preset")
     return value
+
+
+def path(value: str | PathLike[str], name: str = "path") -> Path:
+    """Returns a path. Raises ParameterError for any other value, and for a text with a zero byte."""
+    try:
+        found = Path(value)
+    except TypeError:
+        raise ParameterError(f"{name} {value!r}: must be the path of a file") from None
+    if "\0" in str(found):
+        raise ParameterError(f"{name} {str(value)!r}: must be the path of a file, without a zero byte")
+    return found
 
 
 def load(value: Load) -> Load:

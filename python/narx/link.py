@@ -15,6 +15,7 @@ from narx.errors import BusError, NoAnswerError, RefusedError
 if TYPE_CHECKING:
     import can
 
+    from narx.bench import Bench
     from narx.description import Description
 
 POLL = 0.001
@@ -75,8 +76,8 @@ class Link(ABC):
 class BenchLink(Link):
     """The bus of a bench: a call that waits runs the simulation."""
 
-    def __init__(self, bench: _core.Bench) -> None:
-        super().__init__(bench.master)
+    def __init__(self, bench: Bench) -> None:
+        super().__init__(bench._bench.master)
         self._bench = bench
         # The drive of a bench has the tables of this package.
         self.is_described = True
@@ -90,7 +91,7 @@ class BenchLink(Link):
         while not done():
             if self.now >= end:
                 return False
-            self._bench.advance(POLL)
+            self._bench._courses.advance(POLL)
         return True
 
 

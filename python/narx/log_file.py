@@ -16,6 +16,7 @@ from narx import _core, given
 from narx.can_log import CanLog
 from narx.columns import FLAGS, LogError
 from narx.errors import NarxWarning, ParameterError
+from narx.extras import need
 
 if TYPE_CHECKING:
     import can
@@ -49,7 +50,7 @@ def read_log(
     in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back:
     see `CanLog.laps`. Formats other than candump need python-can.
     """
-    path = Path(path)
+    path = given.path(path)
     nodes = given.several("encoders", encoders)
     reader = _core.LogReader(slave, monitor, nodes)
     errors: list[LogError] = []
@@ -110,8 +111,7 @@ Found = tuple["can.Message", int | None, str]
 
 def frames(path: Path, ending: str, errors: list[LogError]) -> Iterator[Found]:
     """Yields the messages of a file in a format that python-can reads."""
-    from can import io as formats
-
+    formats = need("can").io
     texts: dict[str, tuple[Callable[..., Iterable[can.Message]], Callable[[str], bool]]] = {
         ".asc": (formats.ASCReader, lambda line: bool(ASC_FRAME.match(line)) or not ASC_OTHER.match(line)),
         ".csv": (formats.CSVReader, lambda line: not line.startswith("timestamp,")),

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, MutableMapping
 from os import PathLike
-from pathlib import Path
 from typing import cast
 
-from narx import _core
+from narx import _core, given
 from narx.description import OWN, Description, Row, describe
 from narx.errors import NoAnswerError, ParameterError
 from narx.link import Link, ask
@@ -64,6 +63,9 @@ class Parameters(MutableMapping[str | int, float]):
     def __len__(self) -> int:
         return len(self.rows)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [row.name for row in self.rows.values()]
+
     def __contains__(self, key: object) -> bool:
         try:
             self._table.number(key)  # type: ignore[arg-type]
@@ -105,7 +107,7 @@ class Parameters(MutableMapping[str | int, float]):
         """Writes `to_dict` as a JSON file."""
         import json
 
-        Path(path).write_text(json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        given.path(path).write_text(json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
     def load_file(self, path: str | PathLike[str]) -> list[str]:
         """Loads a file of `save`; returns the names of the parameters that have changed."""
@@ -153,8 +155,9 @@ def read_file(path: str | PathLike[str]) -> dict[str, float]:
     """Returns the names and values of a file of `Parameters.save`."""
     import json
 
+    file = given.path(path)
     try:
-        values = json.loads(Path(path).read_text(encoding="utf-8"))
+        values = json.loads(file.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
         raise ParameterError(f'file "{path}" is not a parameter file: {error}') from None
     if not isinstance(values, dict):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narx._core import State
+from narx.extras import need
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,6 +57,7 @@ SENSORLESS = (State.OPEN_LOOP, State.SENSORLESS_CLOSED_LOOP, State.SENSORLESS_AU
 def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
     """Draws one panel for each unit of the signals. Bands behind them show the drive's states, if the trace
     has them. A run without sensors also shows the outcome of each zero crossing."""
+    need("matplotlib")
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 

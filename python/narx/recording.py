@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from narx import _core
+from narx import _core, given
 from narx.trace import Trace
 
 if TYPE_CHECKING:
@@ -57,7 +56,7 @@ def replay(recording: bytes | bytearray | str | PathLike[str], until: int | None
     has no columns. `recording` is the recording's bytes, or the path of a file. Raises RecordingError for
     bytes that are no recording.
     """
-    data = bytes(recording) if isinstance(recording, bytes | bytearray) else Path(recording).read_bytes()
+    data = bytes(recording) if isinstance(recording, bytes | bytearray) else given.path(recording, "recording").read_bytes()
     columns, units, ticks, digest, recorded, outputs, label, same = _core.replay(data, until)
     result = Replay(columns, units, data)
     result.ticks, result.digest, result.recorded_digest = ticks, digest, recorded

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 from os import PathLike
-from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -92,7 +91,7 @@ class ScopeRecording:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the recording as a `.narxrec` file."""
-        Path(path).write_bytes(self.recording)
+        given.path(path).write_bytes(self.recording)
 
 
 class Scope:

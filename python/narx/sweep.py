@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
 from itertools import islice
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -14,8 +13,10 @@ import numpy as np
 
 from narx import _core, table
 from narx.errors import ParameterError, SignalError
+from narx.extras import need
 from narx.names import suggestion
 from narx.parameters import Parameters
+from narx.progress import bar
 from narx.tasks import Call, Function, Result, Start, Task, failure, run_chunk
 from narx.variants import Grid, Variant, check, expand
 
@@ -68,6 +69,13 @@ class Sweep:
 
     def __repr__(self) -> str:
         return f"<narx.Sweep of {len(self)} variants, {len(self.failures)} failed: {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        title = f"narx.Sweep of {len(self)} variants, {len(self.failures)} failed"
+        return table.html(title, self._columns)  # type: ignore[arg-type]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._columns)
 
     @property
     def variants(self) -> list[Variant]:
@@ -124,14 +132,13 @@ class Sweep:
 
     def to_pandas(self) -> DataFrame:
         """Returns the columns as a pandas data frame."""
-        from pandas import DataFrame
-
-        return DataFrame(self._columns)
+        frame: DataFrame = need("pandas").DataFrame(self._columns)
+        return frame
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table: `.csv`, `.parquet` or `.xlsx`."""
         table.check(path)
-        table.save(self.to_pandas(), path)
+        table.save(self._columns, path)
 
 
 class SweepInterrupted(KeyboardInterrupt):
@@ -185,11 +192,11 @@ def sweep(
     if isinstance(task, Start):
         check(variants)
     results: dict[int, Result] = {}
-    with bar(len(variants), progress) as step:
+    with bar(len(variants), "variant", progress) as step:
 
         def tell(place: int, result: Result) -> None:
             results[place] = result
-            step()
+            step(1)
 
         try:
             if executor is not None:
@@ -268,21 +275,3 @@ def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[s
                 values[name] = [None] * len(variants)
             values[name][row] = table.plain(value)
     return columns | {name: table.column(found) for name, found in values.items() if name not in columns}
-
-
-@contextmanager
-def bar(total: int, progress: bool | None) -> Iterator[Callable[[], Any]]:
-    """Shows a progress bar; yields the function that advances it by one."""
-    try:
-        if progress is not False:
-            from tqdm.auto import tqdm
-    except ImportError:
-        if progress:
-            raise
-        progress = False
-    if progress is False:
-        yield lambda: None
-        return
-    # `None` shows the bar only on a terminal or in a notebook.
-    with tqdm(total=total, unit="variant", disable=None if progress is None else False) as shown:
-        yield shown.update

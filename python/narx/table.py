@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import csv
+from collections.abc import Mapping, Sequence
+from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narx import given
 from narx._core import Load, Motor
 from narx.errors import ParameterError
+from narx.extras import need
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from pandas import DataFrame
 
 SUFFIXES = (".csv", ".parquet", ".xlsx")
 """Suffixes of the formats that `save` writes."""
@@ -23,21 +27,54 @@ EXACT = 2**53
 
 def check(path: str | PathLike[str], *others: str) -> str:
     """Returns the suffix of a path, which must be one of `SUFFIXES` or of the others."""
-    suffix = Path(path).suffix.lower()
+    suffix = given.path(path).suffix.lower()
     if suffix not in (*SUFFIXES, *others):
         raise ParameterError(f'path "{path}": "{suffix}" must be one of {", ".join((*SUFFIXES, *others))}')
     return suffix
 
 
-def save(frame: DataFrame, path: str | PathLike[str]) -> None:
-    """Writes a frame in the format of the path's suffix."""
+def save(columns: Mapping[str, NDArray[Any]], path: str | PathLike[str]) -> None:
+    """Writes columns in the format of the path's suffix. Raises MissingError without the library of it."""
     match check(path):
         case ".csv":
-            frame.to_csv(path, index=False)
+            with Path(path).open("w", encoding="utf-8", newline="") as file:
+                rows = csv.writer(file, lineterminator="\n")
+                rows.writerow(columns)
+                rows.writerows(zip(*map(texts, columns.values()), strict=True))
         case ".parquet":
-            frame.to_parquet(path, index=False)
+            need("pyarrow")
+            need("pandas").DataFrame(columns).to_parquet(path, index=False)
         case _:
-            frame.to_excel(path, index=False)
+            need("openpyxl")
+            need("pandas").DataFrame(columns).to_excel(path, index=False)
+
+
+def html(title: str, columns: Mapping[str, Sequence[Any]], rows: int = 20) -> str:
+    """Returns the first rows of a table for a notebook."""
+    count = max(map(len, columns.values()), default=0)
+    head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+    cells = zip(*(column[:rows] for column in columns.values()), strict=True)
+    body = "".join(f"<tr>{''.join(f'<td>{escape(cell_text(cell), quote=False)}</td>' for cell in row)}</tr>" for row in cells)
+    rest = f"<p>and {count - rows} more rows</p>" if count > rows else ""
+    return f"<p>{escape(title)}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{rest}"
+
+
+def cell_text(value: Any) -> str:
+    """Returns a value as it stands in a table of a notebook."""
+    if isinstance(value, float | np.floating):
+        return "" if np.isnan(value) else f"{value:.5g}"
+    return "" if value is None else str(value)
+
+
+def texts(values: NDArray[Any]) -> list[str]:
+    """Returns each value as the shortest text that reads back as the same; "" for NaN and `None`."""
+    if values.dtype == object:
+        return ["" if value is None or value != value else str(value) for value in values]  # noqa: PLR0124 - NaN
+    found = values.astype(str)
+    if values.dtype.kind == "f":
+        found[np.isnan(values)] = ""
+    shown: list[str] = found.tolist()
+    return shown
 
 
 def plain(value: Any) -> Any:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import ItemsView, Iterator, KeysView, Mapping
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from narx import table
-from narx.errors import SignalError
+import numpy as np
+
+from narx import given, table
+from narx.errors import ParameterError, SignalError
+from narx.extras import need
 from narx.names import suggestion
+from narx.signals import DESCRIPTIONS, ENUMS, Fault
 
 if TYPE_CHECKING:
-    import numpy as np
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
     from pandas import DataFrame
@@ -41,6 +43,12 @@ class Trace:
         """Units of the signals, in order: name -> unit; "" for plain numbers."""
         return dict(self._units)
 
+    @property
+    def descriptions(self) -> dict[str, str]:
+        """Descriptions of the signals, in order: name -> meaning, and the place or instant in which it is
+        measured; "" for a signal that is no one of a bench or a replay."""
+        return {name: DESCRIPTIONS.get(name, "") for name in self._columns}
+
     def __getitem__(self, signal: str) -> NDArray[np.float32 | np.float64]:
         try:
             return self._columns[signal]
@@ -62,6 +70,47 @@ class Trace:
     def __repr__(self) -> str:
         return f"<narx.{type(self).__name__} of {len(self)} rows: {', '.join(self)}>"
 
+    def _repr_html_(self) -> str:
+        parts = [summary(column) for column in self._columns.values()]
+        columns = {"signal": list(self._columns), "unit": list(self._units.values())}
+        columns |= {title: [part[place] for part in parts] for place, title in enumerate(("first", "least", "mean", "largest", "last"))}
+        return table.html(f"narx.{type(self).__name__} of {len(self)} rows", columns | {"meaning": list(self.descriptions.values())}, rows=len(parts))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._columns)
+
+    def select(self, rows: Any) -> Trace:
+        """Selects rows by a slice, a mask or an array of rows. The result has no recording. Raises
+        ParameterError for rows that do not exist."""
+        try:
+            columns = {name: column[rows] for name, column in self._columns.items()}
+        except (IndexError, TypeError) as error:
+            raise ParameterError(f"rows {rows!r}: {error}") from None
+        if any(column.ndim != 1 for column in columns.values()):
+            raise ParameterError(f"rows {rows!r}: must be a slice, a mask or an array of rows")
+        return Trace(columns, self._units)
+
+    def between(self, start: float, end: float) -> Trace:
+        """Selects the rows from `start` to before `end`, s on the trace's own time. The result has no
+        recording. Raises ParameterError if there is no such row."""
+        first, last = np.searchsorted(self.time, [start, end])
+        if not first < last:
+            span = f"from {self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "and there is none"
+            raise ParameterError(f"start {start:g} s, end {end:g} s: must have rows between them {span}")
+        return self.select(slice(first, last))
+
+    def named(self, signal: str) -> NDArray[Any]:
+        """Returns a signal that is a code as members of its enumeration, an array of objects of shape
+        (rows,): "state" as `narx.State`, "step" as `narx.blocks.Step`, "limiter" as `narx.Limiter`, "crossing"
+        as `narx.Crossing`, "faults" as flags of `narx.Fault`. Raises SignalError for any other."""
+        values = self[signal]
+        if signal not in ENUMS:
+            raise SignalError(f'signal "{signal}" is no code{suggestion(signal, ENUMS)}; codes are {", ".join(ENUMS)}')
+        kinds, places = np.unique(values.astype(np.int64), return_inverse=True)
+        members = np.array([ENUMS[signal](int(kind)) for kind in kinds] + [None], object)[:-1]
+        found: NDArray[Any] = members[places]
+        return found
+
     def keys(self) -> KeysView[str]:
         """Names of the signals."""
         return self._columns.keys()
@@ -70,19 +119,26 @@ class Trace:
         """Name and array of each signal."""
         return self._columns.items()
 
-    def to_pandas(self) -> DataFrame:
-        """Returns the columns as a pandas data frame."""
-        from pandas import DataFrame
-
-        return DataFrame(self._columns)
+    def to_pandas(self, named: bool = False) -> DataFrame:
+        """Returns the columns as a pandas data frame. With `named`, signals that are codes are categories with
+        the names of their enumeration, of several faults with "|" between them. Raises MissingError without
+        pandas."""
+        pandas = need("pandas")
+        frame: DataFrame = pandas.DataFrame(self._columns)
+        for signal in ENUMS if named else ():
+            if signal in self._columns:
+                kinds, places = np.unique(self._columns[signal].astype(np.int64), return_inverse=True)
+                names = [name_of(signal, int(kind)) for kind in kinds]
+                frame[signal] = pandas.Categorical.from_codes(places, names)
+        return frame
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`. Raises
         ParameterError for any other name."""
         if table.check(path, ".narxrec") == ".narxrec":
-            Path(path).write_bytes(self._recording)
+            given.path(path).write_bytes(self._recording)
         else:
-            table.save(self.to_pandas(), path)
+            table.save(self._columns, path)
 
     def plot(self, *signals: str) -> Figure:
         """Draws the signals over time, one panel for each unit; without names speed, currents, duty and
@@ -95,3 +151,17 @@ class Trace:
         """Returns the recording of the drive's inputs from its last boot to the end of this trace, for
         `narx.replay` or a `.narxrec` file. It is empty if the trace is not a run of a bench."""
         return self._recording
+
+
+def name_of(signal: str, kind: int) -> str:
+    """Returns a code's name in lower case."""
+    if signal == "faults":
+        return "|".join(name.lower() for name, fault in Fault.__members__.items() if kind & fault)
+    return str(ENUMS[signal](kind).name).lower()
+
+
+def summary(column: NDArray[Any]) -> list[Any]:
+    """Returns first, least, mean, largest and last value of numbers; five times `None` of anything else."""
+    if not len(column) or column.dtype.kind not in "iuf":
+        return [None] * 5
+    return [float(value) for value in (column[0], column.min(), column.mean(), column.max(), column[-1])]

@@ -67,7 +67,7 @@ class TxDriver:
         self._channels = channels
         if isinstance(bus, Bench):
             self._master = bus._bench.tx_master(node_id, channels, timeout)
-            self._link: Link = BenchLink(bus._bench)
+            self._link: Link = BenchLink(bus)
         else:
             self._master = _core.TxMaster(node_id, channels, timeout)
             # A link calls only methods that both kinds of master have.

@@ -22,6 +22,14 @@ use pyo3::types::{PyBytes, PyDict};
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Bench(Shared);
 
+/// Largest voltage of a supply, as of the injection "supply", V.
+const VOLTAGE_MAX: f64 = 80.0;
+/// Largest resistance of a supply, ohm.
+const RESISTANCE_MAX: f64 = 100.0;
+
+/// Columns by name, and units by name.
+type Rows<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
+
 /// Result of a run: columns by name, units by name, and the recording.
 pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
 
@@ -83,11 +91,26 @@ impl Bench {
         self.0.run(py, ticks)
     }
 
-    /// Returns the rows since the previous call, and the recording since the drive booted.
-    fn take_run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
-        let taken =
-            self.0.with(py, |session| (session.bench_mut().take_trace(), session.bench().recording()));
-        run(py, taken)
+    /// Returns columns and units, by name, of the rows since the previous call.
+    fn take_rows<'py>(&self, py: Python<'py>) -> PyResult<Rows<'py>> {
+        let taken = self.0.with(py, |session| session.bench_mut().take_trace());
+        trace::columns(py, taken)
+    }
+
+    /// Recording since the drive booted.
+    fn recording<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.0.with(py, |session| session.bench().recording()))
+    }
+
+    /// Returns a copy of the bench as it stands.
+    fn copy(&self, py: Python<'_>) -> Self {
+        Self(self.0.copy(py))
+    }
+
+    /// Largest temperature of the winding so far, degrees Celsius, and its time, s.
+    #[getter]
+    fn hottest(&self, py: Python<'_>) -> (f64, f64) {
+        self.0.hottest(py)
     }
 
     /// Injects a fault, or removes it (`active` false). `fault` is a name of `faults`.
@@ -125,6 +148,33 @@ impl Bench {
     fn set_load(&self, py: Python<'_>, load: &Load) {
         let config = load.config();
         self.0.with(py, |session| session.bench_mut().plant_mut().set_load(config));
+    }
+
+    /// Changes the supply; what is not given stays. voltage: V. resistance: ohm. may_sink: takes current
+    /// back.
+    #[pyo3(signature = (voltage=None, resistance=None, may_sink=None))]
+    fn set_supply(
+        &self,
+        py: Python<'_>,
+        voltage: Option<Given>,
+        resistance: Option<Given>,
+        may_sink: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let voltage =
+            voltage.map(|volts| error::within("voltage", volts, "V", 0.0, VOLTAGE_MAX)).transpose()?;
+        let resistance = resistance
+            .map(|ohms| error::within("resistance", ohms, "ohm", 0.0, RESISTANCE_MAX))
+            .transpose()?;
+        let may_sink = may_sink.map(|value| error::flag("may_sink", value)).transpose()?;
+        self.0.with(py, |session| {
+            let plant = session.bench_mut().plant_mut();
+            let mut supply = plant.config().supply;
+            supply.voltage = voltage.unwrap_or(supply.voltage);
+            supply.resistance = resistance.unwrap_or(supply.resistance);
+            supply.may_sink = may_sink.unwrap_or(supply.may_sink);
+            plant.set_supply(supply);
+        });
+        Ok(())
     }
 
     /// Sets an input of the board to a value; `input` is a name of `inputs`.

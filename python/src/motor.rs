@@ -21,8 +21,10 @@ use std::hash::{Hash, Hasher};
 /// 120 degrees) or "sinusoidal". hall_offset_deg: delay of the hall sensors' edges, electrical degrees.
 /// rated_current: DC, A; without it commissioning takes the current that heats the winding by 6 W, at most
 /// 6 A. max_speed: largest set-point, mechanical rpm; without it the largest speed at which a given rated
-/// current still flows, or without a rated current the no-load speed. Raises ParameterError, which names the
-/// argument that is out of range.
+/// current still flows, or without a rated current the no-load speed. thermal_resistance: winding to ambient,
+/// K/W; 0 keeps the winding at ambient temperature. thermal_time: time constant of its temperature, s.
+/// max_winding_temperature: degrees Celsius; a bench whose winding gets hotter has a note. Raises
+/// ParameterError, which names the argument that is out of range.
 #[pyclass(module = "narx", frozen, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Motor {
@@ -30,6 +32,8 @@ pub(crate) struct Motor {
     hall_offset_deg: f64,
     rated_current: Option<f64>,
     max_speed: Option<f64>,
+    /// Degrees Celsius.
+    max_winding_temperature: f64,
     /// Preset with the properties that no data sheet lists, such as cogging.
     preset: Option<&'static str>,
 }
@@ -39,10 +43,11 @@ impl Motor {
     #[new]
     #[pyo3(signature = (pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=Given::Real(0.0),
                         viscous_friction=Given::Real(0.0), back_emf=Given::word("trapezoidal"),
-                        hall_offset_deg=Given::Real(0.0), rated_current=None, max_speed=None),
+                        hall_offset_deg=Given::Real(0.0), rated_current=None, max_speed=None, thermal_resistance=Given::Real(0.0),
+                        thermal_time=Given::Real(60.0), max_winding_temperature=Given::Real(WINDING_MAX)),
            text_signature = "(pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=0.0, \
                              viscous_friction=0.0, back_emf='trapezoidal', hall_offset_deg=0.0, rated_current=None, \
-                             max_speed=None)")]
+                             max_speed=None, thermal_resistance=0.0, thermal_time=60.0, max_winding_temperature=155.0)")]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         pole_pairs: Given,
@@ -56,6 +61,9 @@ impl Motor {
         hall_offset_deg: Given,
         rated_current: Option<Given>,
         max_speed: Option<Given>,
+        thermal_resistance: Given,
+        thermal_time: Given,
+        max_winding_temperature: Given,
     ) -> PyResult<Self> {
         let positive = |name, value: Given, unit| {
             error::number(name, value, unit, "a finite number above 0", |value| value > 0.0)
@@ -75,12 +83,27 @@ impl Motor {
                 LOAD_MAX,
             )?,
             back_emf: error::choice("back_emf", back_emf, &shapes())?,
+            thermal_resistance: error::within(
+                "thermal_resistance",
+                thermal_resistance,
+                "K/W",
+                0.0,
+                LOAD_MAX,
+            )?,
+            thermal_time: positive("thermal_time", thermal_time, "s")?,
             ..MotorConfig::default()
         };
         let hall_offset_deg = error::finite("hall_offset_deg", hall_offset_deg, "degrees")?;
         let rated_current = rated_current.map(|value| positive("rated_current", value, "A")).transpose()?;
         let max_speed = max_speed.map(|value| positive("max_speed", value, "rpm")).transpose()?;
-        Ok(Self { config, hall_offset_deg, rated_current, max_speed, preset: None })
+        let max_winding_temperature = error::within(
+            "max_winding_temperature",
+            max_winding_temperature,
+            "degrees Celsius",
+            40.0,
+            1000.0,
+        )?;
+        Ok(Self { config, hall_offset_deg, rated_current, max_speed, max_winding_temperature, preset: None })
     }
 
     /// Names of the real motors that `preset` knows.
@@ -109,7 +132,14 @@ impl Motor {
             error::parameter(format!("there is no preset \"{name}\"{hint}; there are {names}"))
         })?;
         let (config, rated_current) = (preset.motor, preset.data.rated_current);
-        Ok(Self { config, hall_offset_deg: 0.0, rated_current, max_speed: None, preset: Some(preset.name) })
+        Ok(Self {
+            config,
+            hall_offset_deg: 0.0,
+            rated_current,
+            max_speed: None,
+            max_winding_temperature: WINDING_MAX,
+            preset: Some(preset.name),
+        })
     }
 
     /// Returns this motor with some arguments of the constructor changed. Properties of a preset beyond
@@ -127,16 +157,26 @@ impl Motor {
             arguments.set_item(name, value)?;
         }
         let given = py.get_type::<Self>().call((), Some(&arguments))?.cast_into::<Self>()?;
-        let Self { config, hall_offset_deg, rated_current, max_speed, .. } = *given.get();
+        let Self { config, hall_offset_deg, rated_current, max_speed, max_winding_temperature, .. } =
+            *given.get();
         let MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, .. } = config;
         let MotorConfig { static_friction, viscous_friction, back_emf, .. } = config;
+        let MotorConfig { thermal_resistance, thermal_time, .. } = config;
         let figures =
             MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, ..self.config };
         // The name of the shape does not determine the width of a trapezoid's top.
         let same_shape = given.get().back_emf() == self.back_emf();
         let back_emf = if same_shape { self.config.back_emf } else { back_emf };
+        let figures = MotorConfig { thermal_resistance, thermal_time, ..figures };
         let config = MotorConfig { static_friction, viscous_friction, back_emf, ..figures };
-        Ok(Self { config, hall_offset_deg, rated_current, max_speed, preset: self.preset })
+        Ok(Self {
+            config,
+            hall_offset_deg,
+            rated_current,
+            max_speed,
+            max_winding_temperature,
+            preset: self.preset,
+        })
     }
 
     /// Pickles the arguments that rebuild the motor.
@@ -180,6 +220,7 @@ impl Motor {
                 && preset.data.rated_current == self.rated_current
                 && self.hall_offset_deg == 0.0
                 && self.max_speed.is_none()
+                && self.max_winding_temperature == WINDING_MAX
         };
         self.base().filter(same).map(|preset| preset.name)
     }
@@ -194,6 +235,24 @@ impl Motor {
     #[getter]
     fn max_speed(&self) -> Option<f64> {
         self.max_speed
+    }
+
+    /// Thermal resistance from the winding to ambient, K/W; 0 of a winding that stays at ambient temperature.
+    #[getter]
+    fn thermal_resistance(&self) -> f64 {
+        self.config.thermal_resistance
+    }
+
+    /// Time constant of the winding's temperature, s.
+    #[getter]
+    fn thermal_time(&self) -> f64 {
+        self.config.thermal_time
+    }
+
+    /// Largest temperature of the winding, degrees Celsius.
+    #[getter]
+    fn max_winding_temperature(&self) -> f64 {
+        self.max_winding_temperature
     }
 
     /// Nominal voltage, V, of a preset.
@@ -303,6 +362,9 @@ impl Motor {
         arguments.set_item("hall_offset_deg", self.hall_offset_deg())?;
         arguments.set_item("rated_current", self.rated_current)?;
         arguments.set_item("max_speed", self.max_speed)?;
+        arguments.set_item("thermal_resistance", self.thermal_resistance())?;
+        arguments.set_item("thermal_time", self.thermal_time())?;
+        arguments.set_item("max_winding_temperature", self.max_winding_temperature)?;
         Ok(arguments)
     }
 }
@@ -401,13 +463,17 @@ pub(crate) fn restore_motor(
     }
 }
 
+/// Largest temperature of a winding that names none, that of insulation class F (IEC 60085), degrees Celsius.
+const WINDING_MAX: f64 = 155.0;
 /// Largest figure of a load or a friction, in SI units: it holds every motor of this drive.
 const LOAD_MAX: f64 = 1000.0;
 
-/// A load on the shaft. All torques oppose the motion; the constant one also acts at standstill.
+/// A load on the shaft. constant, viscous and quadratic oppose the motion.
 ///
-/// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly
-/// coupled. Each is 0 to 1000. Raises ParameterError for another value.
+/// constant: N m, like Coulomb friction; it also acts at standstill. viscous: N m s/rad. quadratic: N m
+/// s2/rad2. inertia: kg m2, rigidly coupled. Each of them is 0 to 1000. machine: torque of a dynamometer,
+/// -1000 to 1000 N m, which acts against Forward whichever way the shaft turns, also at standstill; a
+/// negative one drives Forward. Raises ParameterError for another value.
 #[pyclass(module = "narx", frozen, get_all, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Load {
@@ -419,47 +485,60 @@ pub(crate) struct Load {
     quadratic: f64,
     /// Inertia, rigidly coupled, kg m2.
     inertia: f64,
+    /// Torque of a dynamometer against Forward, N m.
+    machine: f64,
 }
 
 #[pymethods]
 impl Load {
     #[new]
-    #[pyo3(signature = (constant=Given::Real(0.0), viscous=Given::Real(0.0), quadratic=Given::Real(0.0), inertia=Given::Real(0.0)),
-           text_signature = "(constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0)")]
-    fn new(constant: Given, viscous: Given, quadratic: Given, inertia: Given) -> PyResult<Self> {
+    #[pyo3(signature = (constant=Given::Real(0.0), viscous=Given::Real(0.0), quadratic=Given::Real(0.0), inertia=Given::Real(0.0),
+                        machine=Given::Real(0.0)),
+           text_signature = "(constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0, machine=0.0)")]
+    fn new(
+        constant: Given,
+        viscous: Given,
+        quadratic: Given,
+        inertia: Given,
+        machine: Given,
+    ) -> PyResult<Self> {
         Ok(Self {
             constant: error::within("constant", constant, "N m", 0.0, LOAD_MAX)?,
             viscous: error::within("viscous", viscous, "N m s/rad", 0.0, LOAD_MAX)?,
             quadratic: error::within("quadratic", quadratic, "N m s2/rad2", 0.0, LOAD_MAX)?,
             inertia: error::within("inertia", inertia, "kg m2", 0.0, LOAD_MAX)?,
+            machine: error::within("machine", machine, "N m", -LOAD_MAX, LOAD_MAX)?,
         })
     }
 
     /// Pickles the arguments that rebuild the load.
-    const fn __getnewargs__(&self) -> (f64, f64, f64, f64) {
-        let Self { constant, viscous, quadratic, inertia } = *self;
-        (constant, viscous, quadratic, inertia)
+    const fn __getnewargs__(&self) -> (f64, f64, f64, f64, f64) {
+        let Self { constant, viscous, quadratic, inertia, machine } = *self;
+        (constant, viscous, quadratic, inertia, machine)
     }
 
     fn __repr__(&self) -> String {
-        let Self { constant, viscous, quadratic, inertia } = self;
-        format!("<narx.Load {constant} N m, {viscous} N m s/rad, {quadratic} N m s2/rad2, {inertia} kg m2>")
+        let Self { constant, viscous, quadratic, inertia, machine } = self;
+        let machine = if *machine == 0.0 { String::new() } else { format!(", machine {machine} N m") };
+        format!(
+            "<narx.Load {constant} N m, {viscous} N m s/rad, {quadratic} N m s2/rad2, {inertia} kg m2{machine}>"
+        )
     }
 }
 
 impl Load {
     /// Returns the load's configuration for a bench.
     pub(crate) const fn config(&self) -> LoadConfig {
-        let Self { constant, viscous, quadratic, inertia } = *self;
-        LoadConfig { constant, viscous, quadratic, inertia }
+        let Self { constant, viscous, quadratic, inertia, machine } = *self;
+        LoadConfig { constant, viscous, quadratic, inertia, machine }
     }
 }
 
 impl Hash for Load {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let Self { constant, viscous, quadratic, inertia } = self;
+        let Self { constant, viscous, quadratic, inertia, machine } = self;
         // 0 and -0 are equal, so they must have the same hash.
-        [constant, viscous, quadratic, inertia].map(|value| (value + 0.0).to_bits()).hash(state);
+        [constant, viscous, quadratic, inertia, machine].map(|value| (value + 0.0).to_bits()).hash(state);
     }
 }
 

@@ -13,6 +13,8 @@ pub(crate) struct Shared(Arc<Mutex<Table>>);
 /// The session, and the other masters on its bus.
 struct Table {
     session: Session,
+    /// Largest temperature of the winding so far, degrees Celsius, and its time, s.
+    hottest: (f64, f64),
     /// Masters of TX-Drivers that are still in use.
     stations: Vec<Weak<Mutex<Station>>>,
 }
@@ -22,7 +24,25 @@ const CHUNK: u64 = 1000;
 
 impl Shared {
     pub(crate) fn new(session: Session) -> Self {
-        Self(Arc::new(Mutex::new(Table { session, stations: Vec::new() })))
+        let hottest = temperature(&session);
+        Self(Arc::new(Mutex::new(Table { session, hottest, stations: Vec::new() })))
+    }
+
+    /// Returns a copy of the session as it stands. Masters of TX-Drivers stay with this one.
+    pub(crate) fn copy(&self, py: Python<'_>) -> Self {
+        self.with_table(py, |table| {
+            let Table { session, hottest, .. } = table;
+            Self(Arc::new(Mutex::new(Table {
+                session: session.clone(),
+                hottest: *hottest,
+                stations: Vec::new(),
+            })))
+        })
+    }
+
+    /// Returns the largest temperature of the winding so far, degrees Celsius, and its time, s.
+    pub(crate) fn hottest(&self, py: Python<'_>) -> (f64, f64) {
+        self.with_table(py, |table| table.hottest)
     }
 
     /// Adds a master at the host's place on the bus; it receives frames from now on.
@@ -44,7 +64,13 @@ impl Shared {
         let mut left = ticks;
         while left > 0 {
             let chunk = left.min(CHUNK);
-            self.with_table(py, |table| (0..chunk).for_each(|_| table.step()));
+            self.with_table(py, |table| {
+                (0..chunk).for_each(|_| table.step());
+                let now = temperature(&table.session);
+                if now.0 > table.hottest.0 {
+                    table.hottest = now;
+                }
+            });
             left -= chunk;
             py.check_signals()?;
         }
@@ -56,6 +82,12 @@ impl Shared {
         // lock to finish.
         py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
     }
+}
+
+/// Returns the temperature of the winding now, degrees Celsius, and the time, s.
+fn temperature(session: &Session) -> (f64, f64) {
+    let seen = session.bench().plant().observe();
+    (seen.winding_temperature, seen.time)
 }
 
 impl Table {

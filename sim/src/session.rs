@@ -85,7 +85,7 @@ impl SessionConfig {
             rated_current: None,
             speed_max: None,
             board: Board::BENCH,
-            load: LoadConfig { constant: 0.0, viscous: 0.0, quadratic: 0.0, inertia: 0.0 },
+            load: LoadConfig { constant: 0.0, viscous: 0.0, quadratic: 0.0, inertia: 0.0, machine: 0.0 },
             supply,
             mode,
             open_loop_speed: None,

@@ -70,6 +70,8 @@ fn viscous_friction_slows_exponentially_coulomb_linearly_a_fan_hyperbolically() 
         (LoadConfig { viscous: 2e-4, ..LoadConfig::default() }, speed * (-2e-4 / inertia * t).exp()),
         (LoadConfig { constant: 0.05, ..LoadConfig::default() }, speed - 0.05 / inertia * t),
         (LoadConfig { quadratic: 1e-6, ..LoadConfig::default() }, speed / (1.0 + 1e-6 / inertia * speed * t)),
+        (LoadConfig { machine: -0.05, ..LoadConfig::default() }, speed + 0.05 / inertia * t),
+        (LoadConfig { machine: 0.2, ..LoadConfig::default() }, speed - 0.2 / inertia * t),
     ];
     for (load, expected) in cases {
         let motor = MotorConfig { inertia, ..MotorConfig::default() };
@@ -78,6 +80,18 @@ fn viscous_friction_slows_exponentially_coulomb_linearly_a_fan_hyperbolically() 
         let seen = plant.observe();
         assert!((seen.speed / expected - 1.0).abs() < 1e-6, "{load:?}: {} rad/s, not {expected}", seen.speed);
         assert_eq!(seen.current, [0.0; 3]);
+    }
+}
+
+#[test]
+fn a_machine_turns_a_resting_shaft_against_its_friction() {
+    for (machine, acceleration) in [(0.2, -1500.0), (-0.2, 1500.0), (0.04, 0.0), (-0.04, 0.0)] {
+        let motor = MotorConfig { inertia: 1e-4, static_friction: 0.05, ..MotorConfig::default() };
+        let load = LoadConfig { machine, ..LoadConfig::default() };
+        let mut plant = Plant::new(&PlantConfig { load, ..config(motor) });
+        run(&mut plant, &PwmCommand::default(), 100);
+        let speed = plant.observe().speed;
+        assert!((speed - acceleration * 0.01).abs() < 1e-6, "{machine} N m: {speed} rad/s");
     }
 }
 

@@ -48,7 +48,7 @@ fn config() -> impl Strategy<Value = PlantConfig> {
         Just(BackEmf::Sinusoidal),
         (60.0..150.0f64).prop_map(|flat_top_deg| BackEmf::Trapezoidal { flat_top_deg })
     ];
-    let load = (0.0..0.02f64, 0.0..1e-5f64, 0.0..1e-7f64);
+    let load = (0.0..0.02f64, 0.0..1e-5f64, 0.0..1e-7f64, -0.01..0.01f64);
     (electric, shaft, shape, load, 1u8..=8, 0.0..360.0f64).prop_map(
         |(electric, shaft, back_emf, load, pole_pairs, angle_deg)| {
             let (resistance, inductance, torque_constant, voltage, source, may_sink) = electric;
@@ -67,7 +67,8 @@ fn config() -> impl Strategy<Value = PlantConfig> {
             };
             let mut config = PlantConfig::new(motor, voltage);
             config.supply = SupplyConfig { voltage, resistance: source, may_sink };
-            config.load = LoadConfig { constant: load.0, viscous: load.1, quadratic: load.2, inertia: 0.0 };
+            let (constant, viscous, quadratic, machine) = load;
+            config.load = LoadConfig { constant, viscous, quadratic, machine, inertia: 0.0 };
             config.angle_deg = angle_deg;
             config
         },

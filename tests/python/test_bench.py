@@ -7,9 +7,11 @@ import signal
 import threading
 import time
 from collections.abc import Mapping
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import narx
@@ -291,3 +293,168 @@ def test_the_reference_names_the_presets_and_the_package_its_version() -> None:
     documented = narx.Motor.preset.__doc__ or ""
     assert all(name in documented for name in narx.Motor.presets())
     assert importlib.metadata.version("narx") == narx.__version__
+
+
+def test_a_copy_continues_with_the_same_bits(bench: narx.Bench) -> None:
+    bench.set_load(lambda time: 0.01 + 0.005 * math.sin(20.0 * time))
+    bench.drive.start(2000)
+    bench.run(0.2)
+    branch = bench.copy()
+    assert branch.time == bench.time and branch.drive.state is narx.State.HALL_CLOSED_LOOP and repr(branch) == repr(bench)
+    first, second = bench.run(0.3), branch.run(0.3)
+    assert first.recording() == second.recording() and np.array_equal(first["speed"], second["speed"])
+    # What happens to one bench does not happen to the other.
+    branch.drive.stop()
+    branch.inject("blocked-rotor")
+    branch.run(0.2)
+    assert bench.run(0.2)["speed"][-1] == pytest.approx(2000, rel=0.02)
+    assert branch.drive.state is not narx.State.HALL_CLOSED_LOOP
+
+
+def test_a_load_is_a_function_of_time(bench: narx.Bench) -> None:
+    bench.drive.start(2000)
+    bench.run(0.5)
+    begin = bench.time
+
+    def torque(load: Any) -> list[float]:
+        branch = bench.copy()
+        branch.set_load(load)
+        trace = branch.run(1.0)
+        return [float(trace["torque"][rows].mean()) for rows in (slice(4000, 5000), slice(9000, None))]
+
+    free = torque(0.0)
+    step = torque(lambda time: narx.Load(constant=0.04 if time > begin + 0.7 else 0.02))
+    table = torque(([0.0, begin + 0.69, begin + 0.7, 10.0], [0.02, 0.02, 0.04, 0.04]))
+    assert np.subtract(step, free) == pytest.approx([0.02, 0.04], abs=0.002)
+    assert table == pytest.approx(step, abs=1e-3)
+
+
+def test_a_machine_drives_the_shaft_and_pumps_the_bus_of_a_supply_that_takes_nothing_back(bench: narx.Bench) -> None:
+    assert narx.Load(machine=-0.02) != narx.Load() and "machine -0.02 N m" in repr(narx.Load(machine=-0.02))
+    bench.set_load(narx.Load(machine=-0.02))
+    turned = bench.run(0.5)
+    # At standstill the drive's bridge is off, and the machine turns the shaft against its friction.
+    assert turned["speed"][-1] > 500 and turned["energy_shaft"][-1] <= 0
+    battery = bench.copy()
+    battery.set_supply(may_sink=True)
+    top = []
+    for one in (bench, battery):
+        one.set_load(0.0)
+        one.run(3.0)
+        one.drive.start(3000)
+        one.run(0.5)
+        one.set_load(narx.Load(machine=-0.05))
+        top.append(float(one.run(0.5)["bus_voltage"].max()))
+    assert top[0] > 18.5 > top[1]
+
+
+def test_a_supply_is_a_function_of_time(bench: narx.Bench) -> None:
+    bench.drive.start(1500)
+    begin = bench.time
+    bench.set_supply(([begin, begin + 1.0], [18.0, 24.0]), resistance=0.01)
+    trace = bench.run(1.5)
+    assert trace["bus_voltage"][4900:5100].mean() == pytest.approx(21.0, abs=0.1)
+    assert trace["bus_voltage"][-1000:].mean() == pytest.approx(24.0, abs=0.1)
+    bench.set_supply(20.0)
+    assert bench.run(0.5)["bus_voltage"][-100:].mean() == pytest.approx(20.0, abs=0.1)
+
+
+def test_courses_that_are_none(bench: narx.Bench) -> None:
+    for load, message in [
+        ("heavy", "load 'heavy': must be a narx.Load, a torque in N m, a function of time, or times and torques"),
+        (float("nan"), "constant NaN N m: must be a number from 0 to 1000 N m"),
+        (2000.0, "constant 2000 N m: must be a number from 0 to 1000 N m"),
+        (([0.0, 1.0], [0.1]), r"load: times of shape \(2,\) and values of shape \(1,\)"),
+        (([1.0, 0.0], [0.1, 0.1]), "load: time 0 s in row 1 is before 1 s: must ascend"),
+        (([0.0, float("inf")], [0.1, 0.1]), "load: times and values must be finite numbers"),
+        (([0.0], ["x"]), "load: times and values must be arrays of numbers"),
+        ((1.0, 2.0, 3.0), "load: must be a pair of times and values"),
+    ]:  # fmt: skip
+        with pytest.raises(narx.ParameterError, match=message):
+            bench.set_load(load)  # type: ignore[arg-type]
+    bench.set_load(lambda time: 0.0 if time < 0.01 else float("nan"))
+    with pytest.raises(narx.ParameterError, match="at 0.0100 s: constant NaN N m"):
+        bench.run(0.1)
+    assert bench.time == pytest.approx(0.01)
+    bench.set_load(0.0)
+    for voltage, message in [(81.0, "voltage 81 V: must be a number from 0 to 80 V"), ("24", "voltage '24': must be")]:
+        with pytest.raises(narx.ParameterError, match=message):
+            bench.set_supply(voltage)  # type: ignore[arg-type]
+    with pytest.raises(narx.ParameterError, match="machine 2000 N m: must be a number from -1000 to 1000 N m"):
+        narx.Load(machine=2000)
+    with pytest.raises(narx.ParameterError, match="resistance -1 ohm: must be a number from 0 to 100 ohm"):
+        bench.set_supply(resistance=-1)
+    with pytest.raises(narx.ParameterError, match="may_sink 'no': must be True or False"):
+        bench.set_supply(may_sink="no")  # type: ignore[arg-type]
+
+
+def test_a_winding_that_burns_has_a_note() -> None:
+    motor = narx.Motor.preset("ec45-flat-50w-18v")
+    assert motor.thermal_resistance > 0 and motor.max_winding_temperature == 155.0
+    hot = motor.replace(thermal_time=0.5, thermal_resistance=20.0, max_winding_temperature=80.0)
+    assert hot.name is None and (hot.thermal_time, hot.max_winding_temperature) == (0.5, 80.0)
+    bench = narx.Bench(hot, 18.0, narx.Load(constant=0.08), mode="hall")
+    bench.drive.start(1500)
+    before = bench.notes
+    temperature = bench.run(3.0)["winding_temperature"].max()
+    assert temperature > 80.0 and not any("winding has reached" in note for note in before)
+    assert bench.notes[-1].startswith(f"the winding has reached {temperature:.0f} degrees Celsius at ")
+    assert bench.notes[-1].endswith("and may have 80: this motor would be damaged") and bench.copy().notes == bench.notes
+    with pytest.raises(narx.ParameterError, match="max_winding_temperature 20 degrees Celsius: must be a number from 40 to 1000"):
+        motor.replace(max_winding_temperature=20)
+    for name, value in [("thermal_resistance", -1), ("thermal_time", 0)]:
+        with pytest.raises(narx.ParameterError, match=f"{name} {value} "):
+            motor.replace(**{name: value})
+
+
+def test_energies_and_their_planes(motor: narx.Motor) -> None:
+    """The source delivers what the bus takes, the loss in its own resistance, and the drive's electronics."""
+    bench = narx.Bench(motor, 18.0, narx.Load(constant=0.1), mode="hall")
+    bench.drive.start(2500)
+    bench.run(1.0, trace=False)
+    trace = bench.run(0.5)
+    seconds = trace.time[-1] - trace.time[0]
+    source = (trace["energy_in"][-1] - trace["energy_in"][0]) / seconds
+    current, voltage = trace["bus_current"].mean(), trace["bus_voltage"].mean()
+    own = voltage * voltage * 15e-3 / 60.0
+    assert source == pytest.approx(18.0 * current + own, rel=3e-3)
+    assert 1.01 < source / (voltage * current) < 1.04
+    assert "before the supply's own resistance" in trace.descriptions["energy_in"]
+
+
+def test_a_long_run_keeps_what_is_chosen(bench: narx.Bench, tmp_path: Path) -> None:
+    bench.drive.start(2000)
+    whole = bench.copy().run(2.5)
+    thin = bench.copy().run(2.5, signals=["speed", "duty"], every=10)
+    assert list(thin) == ["time", "speed", "duty"] and thin.recording() == whole.recording()
+    assert len(thin) == 2500 and all(np.array_equal(thin[name], whole[name][9::10]) for name in thin)
+    odd = bench.copy().run(2.5, every=7777)
+    assert np.array_equal(odd["speed"], whole["speed"][7776::7777]) and list(odd) == list(whole)
+    file = tmp_path / "run.parquet"
+    empty = bench.copy().run(2.5, to=file, every=2)
+    written = pd.read_parquet(file)
+    assert len(empty) == 0 and len(written) == 12_500 and list(written) == list(whole)
+    assert np.array_equal(written["speed"].to_numpy(), whole["speed"][1::2])
+    for arguments, error, message in [
+        ({"signals": ["sped"]}, narx.SignalError, 'there is no signal "sped"; did you mean "speed"'),
+        ({"signals": "speed"}, narx.ParameterError, "signals 'speed': must be a list of names"),
+        ({"every": 0}, narx.ParameterError, "every 0: must be a whole number from 1"),
+        ({"to": "run.csv"}, narx.ParameterError, 'to "run.csv": must end in .parquet'),
+        ({"to": 3}, narx.ParameterError, "to 3: must be the path of a file"),
+    ]:  # fmt: skip
+        with pytest.raises(error, match=message):
+            bench.run(0.1, **arguments)  # type: ignore[arg-type]
+
+
+def test_ctrl_c_keeps_the_rows_so_far(bench: narx.Bench) -> None:
+    def load(time: float) -> float:
+        if time > 1.7:
+            raise KeyboardInterrupt
+        return 0.0
+
+    bench.set_load(load)
+    with pytest.raises(narx.RunInterrupted) as caught:
+        bench.run(60.0, every=10)
+    trace = caught.value.trace
+    assert len(trace) == pytest.approx(1700, abs=2) and trace.time[-1] == pytest.approx(bench.time, abs=1e-3)
+    assert isinstance(caught.value, KeyboardInterrupt)

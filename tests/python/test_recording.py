@@ -67,7 +67,7 @@ def test_damage_is_told() -> None:
         narx.replay("missing.narxrec")
     with pytest.raises(narx.ParameterError, match="until -1: must be"):
         narx.replay(recording, until=-1)
-    with pytest.raises(TypeError):
+    with pytest.raises(narx.ParameterError, match="recording 17: must be the path of a file"):
         narx.replay(17)  # type: ignore[arg-type]
 
 

@@ -323,10 +323,10 @@ class interrupting:
     def __init__(self, *_: object) -> None:
         self._left = 3
 
-    def __enter__(self) -> Callable[[], None]:
+    def __enter__(self) -> Callable[[float], None]:
         return self.step
 
-    def step(self) -> None:
+    def step(self, _: float) -> None:
         self._left -= 1
         if self._left == 0:
             raise KeyboardInterrupt

@@ -1,5 +1,8 @@
 """Traces are numpy arrays with names and units."""
 
+import importlib.metadata
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +10,7 @@ import pandas as pd
 import pytest
 
 import narx
+from narx.extras import EXTRAS
 from narx.plot import CROSSINGS, crossings
 
 
@@ -117,3 +121,85 @@ def test_no_peak_is_lost_in_a_plot(bench: narx.Bench) -> None:
             values = trace[str(line.get_label())]
             drawn = np.asarray(line.get_ydata())
             assert len(drawn) < len(values) and (drawn.min(), drawn.max()) == (values.min(), values.max())
+
+
+def test_every_signal_is_described(trace: narx.Trace) -> None:
+    replay = narx.replay(trace.recording())
+    for one in (trace, replay):
+        assert list(one.descriptions) == list(one) and all(one.descriptions.values())
+    shown = trace._repr_html_()
+    assert "<td>bus_voltage</td><td>V</td>" in shown and trace.descriptions["energy_in"] in shown
+    assert "<th>least</th>" in shown and f"<td>{trace['bus_voltage'].min():.5g}</td>" in shown
+    assert trace._ipython_key_completions_() == list(trace)
+
+
+def test_parts_of_a_trace(trace: narx.Trace) -> None:
+    part = trace.select(slice(100, 200))
+    assert np.array_equal(part["speed"], trace["speed"][100:200]) and part.signals == trace.signals and part.recording() == b""
+    assert len(trace.select(trace["speed"] > trace["speed"][250])) < len(trace)
+    middle = trace.between(trace.time[100], trace.time[200])
+    assert np.array_equal(middle.time, trace.time[100:200])
+    for start, end in [(5.0, 6.0), (trace.time[200], trace.time[100])]:
+        with pytest.raises(narx.ParameterError, match=r"must have rows between them from [\d.]+ to [\d.]+ s"):
+            trace.between(start, end)
+    for rows in (3, "speed", [10_000], None, slice(0.5, 1.0)):
+        with pytest.raises(narx.ParameterError, match="^rows "):
+            trace.select(rows)
+
+
+def test_codes_are_members_of_their_enumerations(bench: narx.Bench) -> None:
+    bench.drive.start(1500)
+    bench.inject("supply", 63.0)
+    trace = bench.run(0.5)
+    states = trace.named("state")
+    assert states[0] is narx.State.HALL_CLOSED_LOOP and states[-1] is narx.State.FAULT
+    assert trace.named("limiter")[0] in (narx.Limiter.SPEED, narx.Limiter.SLEW) and trace.named("limiter")[-1] is narx.Limiter.OFF
+    assert trace.named("step")[-1] is narx.blocks.Step.COAST and trace.named("crossing")[0] is narx.Crossing.NONE
+    faults = trace.named("faults")[-1]
+    assert isinstance(faults, narx.Fault) and {name.lower() for name in narx.Fault.__members__ if narx.Fault[name] & faults} == bench.drive.faults != set()
+    frame = trace.to_pandas(named=True)
+    assert list(frame["state"].cat.categories) == ["hall_closed_loop", "fault"] and frame["state"].iloc[-1] == "fault"
+    assert set(frame["faults"].iloc[-1].split("|")) == bench.drive.faults and frame["faults"].iloc[0] == ""
+    assert trace.to_pandas()["state"].dtype == np.float32
+    with pytest.raises(narx.SignalError, match='signal "speed" is no code; codes are state, step, limiter, crossing, faults|did you mean'):
+        trace.named("speed")
+
+
+def test_crossings_have_the_names_of_the_plot() -> None:
+    assert {member.value: member.name.lower().replace("_", " ") for member in narx.Crossing if member} == {
+        kind: name for kind, (name, _) in CROSSINGS.items()
+    }
+
+
+def test_csv_is_written_without_pandas(trace: narx.Trace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for library in ("pandas", "pyarrow", "openpyxl", "matplotlib", "tqdm", "can"):
+        monkeypatch.setitem(sys.modules, library, None)
+        monkeypatch.delitem(sys.modules, f"{library}.auto", raising=False)
+    trace.save(tmp_path / "run.csv")
+    swept = narx.sweep({"motor": "ec45-flat-50w-18v", "supply_voltage": 18.0, "mode": "hall", "rpm": [1000, 70_000], "seconds": 0.1})
+    swept.save(tmp_path / "sweep.csv")
+    calls: list[tuple[Callable[[], object], str, str]] = [
+        (trace.to_pandas, "pandas", "pandas"),
+        (lambda: trace.save(tmp_path / "run.parquet"), "pyarrow", "tables"),
+        (lambda: trace.save(tmp_path / "run.xlsx"), "openpyxl", "tables"),
+        (trace.plot, "matplotlib", "plot"),
+        (lambda: narx.connect("virtual"), "can", "can"),
+        (narx.devices, "can", "can"),
+        (lambda: narx.sweep({"motor": "ec45-flat-50w-18v"}, progress=True), "tqdm", "progress"),
+    ]
+    for call, library, extra in calls:
+        with pytest.raises(narx.MissingError) as caught:
+            call()
+        assert str(caught.value) == f"{library} is not installed: pip install 'narx[{extra}]'"
+        assert isinstance(caught.value, ImportError) and isinstance(caught.value, narx.NarxError)
+    monkeypatch.undo()
+    written = pd.read_csv(tmp_path / "run.csv", dtype={name: trace[name].dtype for name in trace})
+    assert all(np.array_equal(written[name], trace[name]) for name in trace)
+    rows = pd.read_csv(tmp_path / "sweep.csv")
+    assert list(rows) == list(swept) and np.array_equal(rows["speed"], swept["speed"], equal_nan=True)
+    assert rows["motor"].tolist() == ["ec45-flat-50w-18v"] * 2 if "motor" in rows else True
+
+
+def test_every_extra_is_one_of_the_package() -> None:
+    extras = set(importlib.metadata.metadata("narx").get_all("Provides-Extra") or [])
+    assert set(EXTRAS.values()) <= extras

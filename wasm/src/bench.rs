@@ -266,6 +266,7 @@ pub(crate) fn load(given: &JsValue) -> Result<LoadConfig, JsValue> {
         viscous: load.magnitude("viscous")?.unwrap_or(0.0),
         quadratic: load.magnitude("quadratic")?.unwrap_or(0.0),
         inertia: load.magnitude("inertia")?.unwrap_or(0.0),
+        machine: 0.0,
     })
 }
 

@@ -19,14 +19,29 @@ def tell(
     err.print(f"narx: {message}", highlight=False, markup=False, soft_wrap=True)
 
 
+def refuse_other_digits(arguments: list[str]) -> None:
+    """Raises ParameterError for a number in digits other than 0 to 9, which Python would take as well."""
+    for argument in arguments:
+        text = argument.rpartition("=")[2]
+        if not text.isascii() and is_number(text):
+            raise narx.ParameterError(f"{argument}: must have digits 0 to 9")
+
+
+def is_number(text: str) -> bool:
+    """Returns whether Python reads the text as a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def main() -> None:
     """Runs a command. An error of narx is printed in one line, with exit code 2."""
     warnings.showwarning = tell
     try:
+        refuse_other_digits(sys.argv[1:])
         app(prog_name="narx")
     except (narx.NarxError, OSError) as error:
         err.print(f"narx: {error}", highlight=False, markup=False, soft_wrap=True)
-        sys.exit(2)
-    except ImportError as error:
-        err.print(f"narx: {error}: pip install 'narx\\[can]'", highlight=False)
         sys.exit(2)

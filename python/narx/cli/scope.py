@@ -64,7 +64,7 @@ def trigger_of(text: str) -> narx.Trigger | None:
         signal, found, value = text.partition(word)
         if found:
             try:
-                return make(signal, float(value))
+                return make(signal, float(value if value.isascii() else ""))
             except ValueError:
                 break
     raise typer.BadParameter(f'"{text}": must be now, fault, state, or like "HV Voltage > 20"', param_hint="--trigger")

@@ -109,10 +109,12 @@ def setting(text: str) -> tuple[str | int, list[Any]]:
     name, found, values = text.partition("=")
     if not found or not values:
         raise typer.BadParameter(f"{text}: must be NAME=VALUE,VALUE or NAME=FIRST:LAST:COUNT", param_hint="--set")
-    key = int(name) if name.isdecimal() else name
+    key = int(name) if name.isascii() and name.isdecimal() else name
     first, *rest = values.split(":")
     if len(rest) == 2:
         try:
+            if not values.isascii():
+                raise ValueError
             begin, end, count = float(first), float(rest[0]), int(rest[1])
         except ValueError:
             raise typer.BadParameter(f"{text}: FIRST:LAST:COUNT must be numbers", param_hint="--set") from None

@@ -127,7 +127,8 @@ impl Default for MotorConfig {
     }
 }
 
-/// A load on the shaft. All torques oppose the motion; the constant one also holds at standstill.
+/// A load on the shaft. All torques but that of a machine oppose the motion; the constant one also holds at
+/// standstill.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadConfig {
     /// N m, like Coulomb friction.
@@ -138,6 +139,9 @@ pub struct LoadConfig {
     pub quadratic: f64,
     /// kg m2, rigidly coupled.
     pub inertia: f64,
+    /// Torque of a machine on the shaft, a dynamometer, N m. It acts against Forward whichever way the shaft
+    /// turns, also at standstill; a negative one drives Forward.
+    pub machine: f64,
 }
 
 /// The source behind the bus.

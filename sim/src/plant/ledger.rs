@@ -17,7 +17,7 @@ pub struct Ledger {
     pub diodes: f64,
     /// Lost in the motor's Coulomb and viscous friction, and in an injected block.
     pub friction: f64,
-    /// Taken by the load on the shaft.
+    /// Taken by the load on the shaft; a machine that drives it gives energy, which counts as negative.
     pub load: f64,
     /// Lost where a cable broke under current.
     pub arc: f64,
@@ -52,7 +52,7 @@ impl Ledger {
             + self.switches
             + self.diodes
             + self.friction
-            + self.load
+            + self.load.abs()
             + self.arc
     }
 }

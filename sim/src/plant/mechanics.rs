@@ -24,7 +24,7 @@ pub(crate) struct Shaft {
     pub(crate) angle: f64,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
-    /// Torque of cogging less all friction at the end of the last turn, N m.
+    /// Torque of cogging less machine and all friction at the end of the last turn, N m.
     opposing: f64,
     pub(crate) blocked: bool,
 }
@@ -41,7 +41,7 @@ pub(crate) struct Turn {
     pub(crate) friction: f64,
     /// Energy taken by the load, J.
     pub(crate) load: f64,
-    /// Torque of cogging less all friction at the end, N m.
+    /// Torque of cogging less machine and all friction at the end, N m.
     opposing: f64,
 }
 
@@ -142,7 +142,7 @@ impl Shaft {
     /// N m.
     fn predict_from_rest(&self, torque: f64) -> Motion {
         let coulomb = self.static_friction + self.load.constant;
-        let drive = torque + self.cogging_torque * sine(self.cogging_ratio * self.angle);
+        let drive = torque + self.cogging_torque * sine(self.cogging_ratio * self.angle) - self.load.machine;
         if self.blocked || drive.abs() < coulomb {
             return Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 };
         }
@@ -185,7 +185,8 @@ impl Shaft {
     /// Computes the effect of an interval; the shaft does not move yet.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn turn(&self, push: &Push) -> Turn {
-        let cogging = self.cogging(push.speed * push.h);
+        // Torques that do not depend on the direction of motion.
+        let along = self.cogging(push.speed * push.h) - self.load.machine;
         let Push { h, per_h, impulse, lead, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
@@ -195,7 +196,7 @@ impl Shaft {
         let drag = 0.5 * viscous * h;
         let mut sign = if self.speed > 0.0 { 1.0 } else { -1.0 };
         let mut speed =
-            (self.speed * (inertia - drag) + impulse + (cogging - sign * coulomb) * h) / (inertia + drag);
+            (self.speed * (inertia - drag) + impulse + (along - sign * coulomb) * h) / (inertia + drag);
         let mut mean = 0.5 * (self.speed + speed);
         let mut path = mean * h;
         let mut slid = path.abs();
@@ -204,7 +205,7 @@ impl Shaft {
             if self.blocked {
                 return self.block();
             }
-            (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
+            (speed, path, slid) = self.slide(impulse * per_h + along, coulomb, viscous, h);
             sign = if speed > 0.0 { 1.0 } else { -1.0 };
             mean = path * per_h;
         }
@@ -216,8 +217,10 @@ impl Shaft {
             mean,
             path,
             friction: self.static_friction * slid + self.viscous_friction * dragged,
-            load: self.load.constant * slid + (viscous - self.viscous_friction) * dragged,
-            opposing: cogging - sign * coulomb - viscous * speed,
+            load: self.load.constant * slid
+                + (viscous - self.viscous_friction) * dragged
+                + self.load.machine * mean * h,
+            opposing: along - sign * coulomb - viscous * speed,
         }
     }
 

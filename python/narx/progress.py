@@ -1,0 +1,33 @@
+"""Progress bars of tqdm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from narx.errors import MissingError
+from narx.extras import need
+
+DELAY = 1.0
+"""A bar is shown once its work has taken this long, s."""
+
+
+@contextmanager
+def bar(total: float | None, unit: str, progress: bool | None) -> Iterator[Callable[[float], Any]]:
+    """Shows a progress bar; yields the function that advances it. `None` shows it if tqdm is installed and the
+    output is a terminal or a notebook; True raises MissingError without tqdm."""
+    try:
+        tqdm = None if progress is False else need("tqdm.auto").tqdm
+    except MissingError:
+        if progress:
+            raise
+        tqdm = None
+    if tqdm is None:
+        yield lambda _: None
+        return
+    style = "{l_bar}{bar}| {n:.4g}/{total:.4g} {unit} [{elapsed}<{remaining}]" if total else None
+    with tqdm(
+        total=total, unit=unit, bar_format=style, delay=0.0 if progress else DELAY, disable=None if progress is None else False
+    ) as shown:
+        yield shown.update
