@@ -13,6 +13,7 @@ True
 from narx import blocks
 from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
 from narx.bench import Bench, RunInterrupted
+from narx.bridge import Bridge
 from narx.can_log import CanLog
 from narx.columns import Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
@@ -47,6 +48,7 @@ from narx.variants import Variant
 __all__ = [
     "AbortError",
     "Bench",
+    "Bridge",
     "BusError",
     "CanLog",
     "Crossing",

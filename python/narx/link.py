@@ -113,9 +113,13 @@ class BusLink(Link):
         self._closed = False
         known = can.Notifier.find_instances(bus)
         self._own_notifier = not known
-        self._notifier = known[0] if known else can.Notifier(bus, [], timeout=0.1)
         self._listener = Listener(self._receive, self._fail)
-        self._notifier.add_listener(self._listener)
+        if known:
+            self._notifier = known[0]
+            self._notifier.add_listener(self._listener)
+        else:
+            # With its listener, because an error before one is there ends it in silence.
+            self._notifier = can.Notifier(bus, [self._listener], timeout=0.1)
         self._thread = threading.Thread(target=self._talk, name="narx master", daemon=True)
         self._thread.start()
 

@@ -38,14 +38,14 @@ def test_digits_of_other_scripts_are_refused(argument: str) -> None:
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients", "serve"):
         assert command in shown.stdout
     assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     "command",
-    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients"],
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients", "serve"],
 )
 def test_help_has_examples(command: str) -> None:
     shown = run(*command.split(), "--help", virtual=False)

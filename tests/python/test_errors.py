@@ -133,7 +133,7 @@ WORDS: list[tuple[Callable[[Any], object], str]] = [
     (lambda value: BENCH.inject(value), 'fault "5": '),
     (lambda value: BENCH.inject("hall-stuck", phase=value), "phase 5: must be one of A, B, C"),
     (lambda value: BENCH.set_input(value, 1.0), "input 5: must be one of asi"),
-    (lambda value: BENCH.copy().set_load([value]), "load [5]: must be a narx.Load"),
+    (lambda value: BENCH.copy().set_load([value]), "load [5]: must be a narx.Load"),  # type: ignore[arg-type]
     (lambda value: narx.read_log(value), "path 5: must be the path of a file"),
     (lambda value: narx.replay(value), "recording 5: must be the path of a file"),
     (lambda value: BENCH.drive.parameters.save(value), "path 5: must be the path of a file"),
