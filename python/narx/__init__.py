@@ -10,7 +10,7 @@ and the replay compute the same bits as the firmware.
 True
 """
 
-from narx import blocks
+from narx import blocks, experiments
 from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
 from narx.bench import Bench, RunInterrupted
 from narx.bridge import Bridge
@@ -103,6 +103,7 @@ __all__ = [
     "decode",
     "devices",
     "eds",
+    "experiments",
     "read_log",
     "replay",
     "sweep",

@@ -52,7 +52,7 @@ class Bench:
             supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
         self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._courses = Courses(self._bench)
-        self._motor = whole
+        self._motor, self._supply_voltage = whole, float(supply_voltage)
         self._drive = Drive(BenchLink(self))
         self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
 
@@ -66,7 +66,7 @@ class Bench:
         copied = Bench.__new__(Bench)
         copied._bench = self._bench.copy()
         copied._courses = self._courses.copy(copied._bench)
-        copied._motor, copied._about = self._motor, self._about
+        copied._motor, copied._supply_voltage, copied._about = self._motor, self._supply_voltage, self._about
         copied._drive = Drive(BenchLink(copied))
         return copied
 
@@ -74,6 +74,11 @@ class Bench:
     def motor(self) -> Motor:
         """The motor."""
         return self._motor
+
+    @property
+    def supply_voltage(self) -> float:
+        """Supply voltage at power-up, V."""
+        return self._supply_voltage
 
     @property
     def drive(self) -> Drive:

@@ -68,10 +68,7 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
     if len(time):
         panels = [panel for panel in panels if panel != ["crossing"]]
     heights = [2.0] * len(panels) + [1.0] * bool(len(time))
-    figure = Figure(figsize=(9.0, 1.0 + sum(heights)), layout="constrained")
-    # Shows the figure in a notebook. Notebooks show only figures of pyplot by themselves, and those stay open
-    # until they are closed.
-    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]
+    figure = shown(Figure(figsize=(9.0, 1.0 + sum(heights)), layout="constrained"))
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     units = trace.signals
     if len(time):
@@ -95,6 +92,13 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
         seen = [State(int(state)) for state in np.unique(trace["state"])]
         patches = [Patch(color=STATES[state], alpha=0.4, label=words(state)) for state in seen]
         figure.legend(handles=patches, loc="outside upper center", ncols=len(seen), fontsize="small", frameon=False)
+    return figure
+
+
+def shown(figure: Figure) -> Figure:
+    """Returns the figure, which a notebook now shows. Notebooks show only figures of pyplot by themselves, and
+    those stay open until they are closed."""
+    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]
     return figure
 
 

@@ -20,7 +20,7 @@ UNIT = re.compile(
 
 def public() -> Iterator[tuple[str, Any]]:
     """Yields everything that `__all__` names and the public members of its classes, with full names."""
-    for module in (narx, narx.blocks):
+    for module in (narx, narx.blocks, narx.experiments):
         for name in module.__all__:
             thing = getattr(module, name)
             yield f"{module.__name__}.{name}", thing
@@ -59,7 +59,7 @@ def documentation(name: str, thing: Any) -> str:
 
 def signature(name: str, thing: Any) -> ast.FunctionDef | None:
     """Returns the signature of a function, or of a class's constructor."""
-    local = name.removeprefix("narx.").removeprefix("blocks.")
+    local = name.removeprefix("narx.").removeprefix("blocks.").removeprefix("experiments.")
     if inspect.isclass(thing):
         return SIGNATURES.get(f"{local}.__init__") or SIGNATURES.get(f"{local}.__new__")
     return SIGNATURES.get(local)
