@@ -12,6 +12,7 @@ True
 
 from narx import blocks, experiments
 from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
+from narx.async_drive import AsyncDrive, AsyncPart, connect_async
 from narx.bench import Bench, RunInterrupted
 from narx.bridge import Bridge
 from narx.can_log import CanLog
@@ -47,6 +48,8 @@ from narx.variants import Variant
 
 __all__ = [
     "AbortError",
+    "AsyncDrive",
+    "AsyncPart",
     "Bench",
     "Bridge",
     "BusError",
@@ -99,6 +102,7 @@ __all__ = [
     "blocks",
     "coefficients",
     "connect",
+    "connect_async",
     "dbc",
     "decode",
     "devices",

@@ -6,7 +6,9 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from narx import _core
@@ -38,6 +40,8 @@ class Link(ABC):
         """True once the drive was asked for its description."""
         self.recording = threading.Lock()
         """Held while a call records with the scope or erases the log: the master does one of them at a time."""
+        self.cancelled = threading.local()
+        """Has `event` in a thread whose waiting is over as soon as that is set."""
         self.downloads = False
         """True while words of a download are expected."""
         self._chunks: list[tuple[int, bytes]] = []
@@ -71,6 +75,12 @@ class Link(ABC):
 
     def close(self) -> None:
         """Releases the bus."""
+
+    def check_cancelled(self) -> None:
+        """Raises CancelledError in a thread whose waiting is over."""
+        event = getattr(self.cancelled, "event", None)
+        if event is not None and event.is_set():
+            raise CancelledError
 
 
 class BenchLink(Link):
@@ -132,6 +142,7 @@ class BusLink(Link):
         with self._changed:
             while not done():
                 self._check()
+                self.check_cancelled()
                 left = end - self.now
                 if left <= 0.0:
                     return False
@@ -153,6 +164,18 @@ class BusLink(Link):
             self._notifier.stop()
         else:
             self._notifier.remove_listener(self._listener)
+
+    @contextmanager
+    def listening(self, receive: Callable[[can.Message], object]) -> Iterator[None]:
+        """Passes every frame on as well, from the notifier's thread."""
+        from narx._listener import Listener
+
+        listener = Listener(receive, self._fail)
+        self._notifier.add_listener(listener)
+        try:
+            yield
+        finally:
+            self._notifier.remove_listener(listener)
 
     def _check(self) -> None:
         if self._error is not None:
@@ -215,6 +238,7 @@ class SteppedLink(Link):
     def wait(self, done: Callable[[], bool], timeout: float) -> bool:
         end = self.now + timeout
         while not done():
+            self.check_cancelled()
             now = self.now
             if now >= end:
                 return False
