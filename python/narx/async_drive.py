@@ -103,7 +103,11 @@ class AsyncDrive:
             raise RefusedError("messages: a bus with realtime=False is read by the calls that wait")
         queue: asyncio.Queue[can.Message] = asyncio.Queue()
         loop = asyncio.get_running_loop()
-        with self._drive._link.listening(lambda message: loop.call_soon_threadsafe(queue.put_nowait, message)):
+
+        def receive(message: can.Message) -> None:
+            loop.call_soon_threadsafe(queue.put_nowait, message)
+
+        with self._drive._link.listening(receive):
             while True:
                 message = decode(await queue.get())
                 if message is not None:

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from narx import _core
+from narx import _core, given
+from narx.errors import ParameterError
 from narx.extras import need
 from narx.trace import Trace
 
 if TYPE_CHECKING:
+    import can
     from pandas import DataFrame
 
 FLAGS = dict(_core.frame_flags())
+FORMATS = (".asc", ".blf", ".csv", ".log")
+"""Suffixes of logs that `Frames.save` writes: those of python-can that hold every frame."""
 
 
 def folded(name: str) -> str:
@@ -69,6 +74,33 @@ class Frames:
 
     def __repr__(self) -> str:
         return f"<narx.Frames: {len(self)}>"
+
+    def messages(self) -> Iterator[can.Message]:
+        """Yields the frames as messages of python-can, their time stamps in s. Raises MissingError without
+        python-can."""
+        message = need("can").Message
+        flags = {name: self.flag(name).tolist() for name in FLAGS}
+        for row, (time, number, length, channel) in enumerate(
+            zip(self.time.tolist(), self.id.tolist(), self.dlc.tolist(), self.channel.tolist(), strict=True)
+        ):
+            remote, error = flags["remote"][row], flags["error"][row]
+            yield message(
+                timestamp=time, arbitration_id=number, is_extended_id=flags["extended"][row], is_remote_frame=remote,
+                is_error_frame=error, is_fd=flags["fd"][row], bitrate_switch=flags["bitrate_switch"][row],
+                error_state_indicator=flags["error_state"][row], is_rx=flags["received"][row], dlc=length,
+                data=None if remote else self.data[row, :length].tobytes(), channel=self.channels[channel] or None,
+            )  # fmt: skip
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes a log of the bus in a format of python-can by the suffix: `.asc`, `.blf`, `.csv`, `.log`
+        (candump). Raises ParameterError for any other name, MissingError without python-can."""
+        file = given.path(path)
+        suffix = file.suffix.lower()
+        if suffix not in FORMATS:
+            raise ParameterError(f'path "{file}": "{suffix}" must be one of {", ".join(FORMATS)}')
+        with need("can").Logger(file) as writer:
+            for message in self.messages():
+                writer(message)
 
     def to_pandas(self) -> DataFrame:
         """Returns a data frame with a row per frame, its data as bytes."""

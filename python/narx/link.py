@@ -166,7 +166,7 @@ class BusLink(Link):
             self._notifier.remove_listener(self._listener)
 
     @contextmanager
-    def listening(self, receive: Callable[[can.Message], object]) -> Iterator[None]:
+    def listening(self, receive: Callable[[can.Message], None]) -> Iterator[None]:
         """Passes every frame on as well, from the notifier's thread."""
         from narx._listener import Listener
 

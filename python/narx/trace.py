@@ -132,13 +132,31 @@ class Trace:
                 frame[signal] = pandas.Categorical.from_codes(places, names)
         return frame
 
+    def to_polars(self) -> Any:
+        """Returns the columns as a polars data frame. Raises MissingError without polars."""
+        return need("polars").DataFrame(self._columns)
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray data set: a variable for each signal along "time" (s), with "units" and "long_name".
+        Raises MissingError without xarray."""
+        xarray = need("xarray")
+        about = {name: {"units": unit, "long_name": self.descriptions[name]} for name, unit in self._units.items()}
+        variables = {name: ("time", column, about[name]) for name, column in self._columns.items() if name != "time"}
+        return xarray.Dataset(variables, coords={"time": ("time", self.time, about["time"])})
+
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`. Raises
-        ParameterError for any other name."""
-        if table.check(path, ".narxrec") == ".narxrec":
-            given.path(path).write_bytes(self._recording)
-        else:
-            table.save(self._columns, path)
+        """Writes a table: `.csv`, `.parquet` or `.xlsx`; measurement data with units as `.mf4` (MDF 4); or the
+        recording as `.narxrec`. Raises ParameterError for any other name and for a recording of a trace that
+        has none, MissingError without the library of a format."""
+        match table.check(path, ".mf4", ".narxrec"):
+            case ".narxrec":
+                if not self._recording:
+                    raise ParameterError(f'path "{path}": this trace has no recording; a run of a bench has one')
+                given.path(path).write_bytes(self._recording)
+            case ".mf4":
+                save_mdf(self, path)
+            case _:
+                table.save(self._columns, path)
 
     def plot(self, *signals: str) -> Figure:
         """Draws the signals over time, one panel for each unit; without names speed, currents, duty and
@@ -158,6 +176,19 @@ def name_of(signal: str, kind: int) -> str:
     if signal == "faults":
         return "|".join(name.lower() for name, fault in Fault.__members__.items() if kind & fault)
     return str(ENUMS[signal](kind).name).lower()
+
+
+def save_mdf(trace: Trace, path: str | PathLike[str]) -> None:
+    """Writes a trace as MDF 4, every signal over "time", s."""
+    mdf = need("asammdf")
+    named = [(name, column) for name, column in trace.items() if name != "time" and column.dtype.kind in "iufb"]
+    signals = [
+        mdf.Signal(samples=column, timestamps=trace.time, name=name, unit=trace.signals[name], comment=trace.descriptions[name])
+        for name, column in named
+    ]
+    with mdf.MDF(version="4.10") as file:
+        file.append(signals, comment="narx")
+        file.save(given.path(path), overwrite=True)
 
 
 def summary(column: NDArray[Any]) -> list[Any]:

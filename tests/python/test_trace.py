@@ -65,7 +65,7 @@ def test_tables_are_saved_and_read_back(trace: narx.Trace, tmp_path: Path) -> No
 
 
 def test_what_cannot_be_saved_is_named(trace: narx.Trace, tmp_path: Path) -> None:
-    with pytest.raises(narx.ParameterError, match='".txt" must be one of .csv, .parquet, .xlsx, .narxrec'):
+    with pytest.raises(narx.ParameterError, match='".txt" must be one of .csv, .parquet, .xlsx, .mf4, .narxrec'):
         trace.save(tmp_path / "run.txt")
 
 
