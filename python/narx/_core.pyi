@@ -128,6 +128,17 @@ class VirtualBus:
         pwm_rate: int = ...,
         tx_drivers: Sequence[int] | None = None,
     ) -> VirtualBus: ...
+    def add_drive(
+        self,
+        motor: Motor,
+        supply_voltage: float = ...,
+        load: Load | None = None,
+        mode: str = ...,
+        parameters: _Given = None,
+        ambient: float = ...,
+        seed: int = ...,
+        pwm_rate: int = ...,
+    ) -> None: ...
     @property
     def time(self) -> float: ...
     def send(self, client: int, id: int, extended: bool, remote: bool, data: bytes) -> bool: ...

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 import can
 
-from narx import _core
-from narx.errors import NarxError, RefusedError
+from narx import _core, given
+from narx.errors import NarxError, ParameterError, RefusedError
 from narx.names import suggestion
 
 QUEUE = 100_000
@@ -23,15 +23,36 @@ STEP = 0.1
 """Simulated time between two checks for Ctrl-C, s."""
 
 
-OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers")
+OPTIONS = ("motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed", "pwm_rate", "tx_drivers", "drives")
 """Options of the virtual drive."""
 GENERIC = ("fd", "data_bitrate", "timing", "state", "single_handle")
 """Options that programs and configuration of python-can pass to every bus; the virtual drive has none of
 them."""
 
 
+FIRST = 171
+"""Address of the first further drive; the next ones have the following addresses."""
+SLAVE = 2
+"""Number of the parameter with a drive's address."""
+
+
 Master = Callable[[float], float]
 """A master on the bus: sends the frames that are due at a time, s, and returns the time of its next one."""
+
+
+def further_drive(place: int, options: Any) -> dict[str, Any]:
+    """Returns the arguments of a further drive on the bus."""
+    if not isinstance(options, dict):
+        raise ParameterError(f"drives {options!r}: must be dictionaries of the drive's options")
+    known = (*OPTIONS[:-2], "slave")
+    for name in options:
+        if name not in known:
+            raise ParameterError(f'drives: there is no option "{name}"{suggestion(str(name), known)}; there are {", ".join(known)}')
+    found = {name: value for name, value in options.items() if name != "slave"}
+    motor = given.motor(found.get("motor", "ec45-flat-50w-18v"))
+    slave = _core.whole_number("slave", options.get("slave", FIRST + place), 0, 255)
+    voltage = {} if motor.nominal_voltage is None else {"supply_voltage": motor.nominal_voltage}
+    return voltage | found | {"motor": motor, "parameters": {**(found.get("parameters") or {}), SLAVE: slave}}
 
 
 class World:
@@ -45,10 +66,12 @@ class World:
         motor = options.pop("motor", "ec45-flat-50w-18v")
         self.motor = motor
         self.options = options
-        preset = _core.Motor.preset(motor) if isinstance(motor, str) else motor
         self.channel = channel
         self.realtime = realtime
-        self.bus = _core.VirtualBus(preset, **options)
+        own = {name: value for name, value in options.items() if name != "drives"}
+        self.bus = _core.VirtualBus(given.motor(motor), **own)
+        for place, further in enumerate(given.several("drives", options.get("drives") or ())):
+            self.bus.add_drive(**further_drive(place, further))
         self.queues: dict[int, deque[can.Message]] = {}
         self.own: set[int] = set()
         self.masters: dict[int, Master] = {}
@@ -122,7 +145,10 @@ class NarxBus(can.BusABC):
 
     motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient, seed and
     pwm_rate are those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one
-    channel and with an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the
+    channel and with an encoder of 4096 counts on the shaft. drives: further drives on the bus, a dictionary
+    each with the same options (by default the motor's nominal voltage) and `slave`, the address, 171 and
+    following unless given; `narx.Drive(bus, slave=171)` operates the first of them. A frame of a further drive
+    arrives one frame's time later than on a real bus. realtime: simulated time keeps step with the
     clock; without it, time passes only during a call that receives, as fast as it can be simulated. Once a
     `narx.Drive` or `narx.TxDriver` is on the channel, only their calls let time pass, and the frames of each
     are sent when they are due; any other bus receives what has passed.

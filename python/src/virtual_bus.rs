@@ -8,6 +8,7 @@ use crate::motor::{Load, Motor};
 use crate::tx_driver;
 use narx_core::bus::Frame;
 use narx_sim::bench::Bench;
+use narx_sim::can::Attachment;
 use pyo3::prelude::*;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -27,6 +28,17 @@ struct World {
     waiting: VecDeque<(u64, Frame)>,
     /// Clients whose frames are in the controller.
     sent: VecDeque<u64>,
+    /// Further drives. Each has a bus of its own, on which every frame of the first one's is repeated.
+    others: Vec<Other>,
+    /// Waiting frames of the further drives, and those that are in the controller, with the drive.
+    relayed: [VecDeque<(usize, Frame)>; 2],
+}
+
+/// A further drive on the bus.
+struct Other {
+    bench: Bench,
+    /// Frames of the bus that it has yet to receive.
+    inbox: VecDeque<Frame>,
 }
 
 /// A frame that has passed: time in s, the client that has sent it, identifier, extended, remote, data.
@@ -60,7 +72,46 @@ impl VirtualBus {
             let config = tx_driver::config(node_id, Given::Whole(1), Some(Given::Whole(4096)), 2.0.into())?;
             bench.add_tx_driver(&config).map_err(error::parameter)?;
         }
-        Ok(Self(Mutex::new(World { bench, waiting: VecDeque::new(), sent: VecDeque::new() })))
+        Ok(Self(Mutex::new(World {
+            bench,
+            waiting: VecDeque::new(),
+            sent: VecDeque::new(),
+            others: Vec::new(),
+            relayed: Default::default(),
+        })))
+    }
+
+    /// Powers up a further drive on this bus, before time passes; arguments as those of `narx.Bench`.
+    #[pyo3(signature = (motor, supply_voltage=Given::Real(48.0), load=None, mode=Given::word("sensorless"), parameters=None,
+                        ambient=Given::Real(25.0), seed=Given::Whole(1), pwm_rate=Given::Whole(10_000)))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn add_drive(
+        &self,
+        py: Python<'_>,
+        motor: &Motor,
+        supply_voltage: Given,
+        load: Option<&Load>,
+        mode: Given,
+        parameters: Option<&Bound<'_, PyAny>>,
+        ambient: Given,
+        seed: Given,
+        pwm_rate: Given,
+    ) -> PyResult<()> {
+        let mut config =
+            bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
+        config.trace = false;
+        let (bench, _) = config.power_up().map_err(error::parameter)?;
+        let other = Other { bench: bench.without_recording(), inbox: VecDeque::new() };
+        self.with(py, |world| {
+            if world.bench.now_ns() > 0 {
+                return Err(error::refused(
+                    "a further drive is powered up with the first one, before time passes",
+                ));
+            }
+            world.bench.set_other(Attachment::Normal);
+            world.others.push(other);
+            Ok(())
+        })
     }
 
     /// Time since power-up, s.
@@ -125,13 +176,63 @@ impl World {
                 self.sent.push_back(client);
             }
         }
+        let [waiting, sent] = &mut self.relayed;
+        while sent.len() < IN_CONTROLLER
+            && let Some(place) = first(waiting)
+            && let Some((drive, frame)) = waiting.remove(place)
+        {
+            // There is always room for two frames.
+            if self.bench.send_as_other(frame).is_ok() {
+                sent.push_back((drive, frame));
+            }
+        }
         self.bench.step();
         // Frames for the host itself are dropped: its clients get all frames of the bus below.
         while self.bench.receive().is_some() {}
         while let Some(received) = self.bench.monitor() {
             let own = received.sender == self.bench.host();
             let client = if own { self.sent.pop_front() } else { None };
+            self.repeat(&received.frame);
             passed.push((received.time_ns, client, received.frame));
         }
+        self.step_others();
     }
+
+    /// Repeats a frame on the buses of all further drives but that of its sender.
+    fn repeat(&mut self, frame: &Frame) {
+        let sent = &mut self.relayed[1];
+        let place = sent.iter().position(|(_, relayed)| relayed == frame);
+        let sender = place.and_then(|place| sent.remove(place)).map(|(drive, _)| drive);
+        for (drive, other) in self.others.iter_mut().enumerate() {
+            if sender != Some(drive) {
+                other.inbox.push_back(*frame);
+            }
+        }
+    }
+
+    /// Runs the further drives up to the first one's time, and takes what they send.
+    fn step_others(&mut self) {
+        for (drive, Other { bench, inbox }) in self.others.iter_mut().enumerate() {
+            while bench.now_ns() < self.bench.now_ns() {
+                while bench.host_queued() < IN_CONTROLLER
+                    && let Some(frame) = inbox.pop_front()
+                {
+                    // There is always room for two frames.
+                    let _ = bench.send(frame);
+                }
+                bench.step();
+                while bench.receive().is_some() {}
+                while let Some(received) = bench.monitor() {
+                    if received.sender != bench.host() {
+                        self.relayed[0].push_back((drive, received.frame));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns the place of the waiting frame that wins the arbitration, the oldest of those with its identifier.
+fn first(waiting: &VecDeque<(usize, Frame)>) -> Option<usize> {
+    waiting.iter().enumerate().min_by_key(|(_, (_, frame))| frame.id()).map(|(place, _)| place)
 }

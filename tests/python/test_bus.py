@@ -121,7 +121,7 @@ def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
     ("options", "message"),
     [
         ({"bitrate": 250_000}, "bitrate 250000: the drive's bus has 500000"),
-        ({"moter": "bly172s-24v"}, 'there is no option "moter"; did you mean "motor".*; there are channel, .*, tx_drivers$'),
+        ({"moter": "bly172s-24v"}, 'there is no option "moter"; did you mean "motor".*; there are channel, .*, drives$'),
         ({"fd": True}, "fd True: the drive's bus has no CAN FD"),
         ({"motor": "nema17"}, 'there is no preset "nema17"'),
         ({"supply_voltage": 12.0}, "supply voltage 12 V is outside 18 to 60 V"),
@@ -252,3 +252,45 @@ def decoded(bus: can.BusABC, seconds: float) -> list[narx.Message]:
         if isinstance(message, narx.Message):
             messages.append(message)
     return messages
+
+
+def test_several_drives_have_motors_and_loads_of_their_own(request: pytest.FixtureRequest) -> None:
+    further = [
+        {"motor": "bly172s-24v", "mode": "hall", "load": narx.Load(constant=0.05)},
+        {"motor": "ec45-flat-50w-18v", "mode": "hall", "slave": 200, "seed": 7, "parameters": {"Phase current limit": 4.0}},
+    ]
+    shared: dict[str, Any] = {"interface": "narx", "channel": request.node.name, "realtime": False}
+    with can.Bus(**shared, **OPTIONS, tx_drivers=[2], drives=further) as bus, can.Bus(**shared) as second, can.Bus(**shared) as third, can.Bus(**shared) as fourth:
+        with narx.Drive(bus) as one, narx.Drive(second, slave=171) as two, narx.Drive(third, slave=200) as three, narx.TxDriver(fourth, 2) as tx:
+            for drive, rpm in ((one, 1000), (two, 2000), (three, -1500)):
+                drive.start(rpm)
+            tx.start()
+            one.wait(1.0)
+            # Each master reads its own bus when it waits.
+            two.wait(0.05)
+            three.wait(0.05)
+            for drive, rpm in ((one, 1000), (two, 2000), (three, -1500)):
+                assert drive.state is narx.State.HALL_CLOSED_LOOP and not drive.faults
+                assert drive.measurements.speed == pytest.approx(rpm, rel=0.02)
+            currents = [drive.measurements["HV Current"] for drive in (one, two)]
+            assert currents[1] > currents[0] + 0.2 and two.measurements["HV Voltage"] == pytest.approx(24, abs=0.5)
+            assert three.info.address == 200 and three.parameters["Phase current limit"] == 4.0
+            assert two.parameters["Phase current limit"] != 4.0 and len(tx.positions) == 1
+            # One stops, the others go on.
+            two.stop()
+            one.wait(0.5)
+            two.wait(0.05)
+            three.wait(0.05)
+            assert two.state is narx.State.STANDBY and three.state is narx.State.HALL_CLOSED_LOOP
+
+
+def test_further_drives_that_cannot_be_are_named(request: pytest.FixtureRequest) -> None:
+    for drives, message in [
+        ([{"moto": "x"}], 'drives: there is no option "moto"; did you mean "motor"'),
+        ([{"slave": 256}], "slave 256: must be a whole number from 0 to 255"),
+        ([5], "drives 5: must be dictionaries"),
+        (5, "drives 5: must be a list"),
+        ([{"motor": "x"}], 'there is no preset "x"'),
+    ]:
+        with pytest.raises(can.CanInitializationError, match=message):
+            can.Bus(interface="narx", channel=request.node.name, drives=drives, **OPTIONS)
