@@ -35,7 +35,7 @@ def function(name: str, given: Course | LoadCourse) -> Callable[[float], float |
         raise ParameterError(f"{name}: must be a pair of times and values, not {len(given)} arrays")
     try:
         time, values = (np.asarray(part, float) for part in given)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         raise ParameterError(f"{name}: times and values must be arrays of numbers") from None
     if time.ndim != 1 or time.shape != values.shape or not len(time):
         raise ParameterError(f"{name}: times of shape {time.shape} and values of shape {values.shape}: must be two arrays of one length")

@@ -106,7 +106,7 @@ def read(link: Link) -> Description:
     file = folder() / f"description-{number}-{check:08x}.xml"
     text = kept(file, check)
     if text is None:
-        text = download(link, "description")
+        text = download(link, "description", progress=False)
         if check and crc32(text) != check:
             raise RefusedError(f"CRC {crc32(text):08x} of the download differs from {check:08x}, which the drive reports")
     description = Description(text)

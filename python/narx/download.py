@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from narx.errors import NoAnswerError
 from narx.link import Link
+from narx.progress import counted
 
 STALL = 5.0
 """Time without a new word after which a download has failed, s."""
@@ -14,9 +15,16 @@ def download(
     what: str,
     first: int = 0,
     count: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
 ) -> bytes:
-    """Returns the bytes of a download. An exception of `progress`, or Ctrl-C, aborts it on the drive, too."""
+    """Returns the bytes of a download. progress: as of `progress.counted`. An exception of it, or Ctrl-C, aborts
+    the download on the drive, too."""
+    with counted(what, progress) as tell:
+        return received(link, what, first, count, tell)
+
+
+def received(link: Link, what: str, first: int, count: int, tell: Callable[[int, int], None] | None) -> bytes:
+    """Returns the bytes of a download; `tell` is called with the number of words received and the total."""
     words: dict[int, bytes] = {}
     length: list[int] = []
     told = -1
@@ -26,25 +34,25 @@ def download(
         for offset, chunk in link.take_chunks():
             words[offset] = chunk
         state = link.master.download_progress()
-        if progress is not None and state is not None and state[0] != told:
+        if tell is not None and state is not None and state[0] != told:
             told = state[0]
-            progress(*state)
+            tell(*state)
         end = link.master.poll_download()
         if end is not None:
             length.append(end)
-            if progress is not None and told != end:
-                progress(end, end)
+            if tell is not None and told != end:
+                tell(end, end)
         return bool(length)
 
     link.master.download(what, first, count)
     link.downloads = True
     try:
         link.wake()
-        received = -1
+        known = -1
         while not link.wait(done, STALL):
-            if len(words) == received:
+            if len(words) == known:
                 raise NoAnswerError(f"nothing more came of the {what} within {STALL:g} s")
-            received = len(words)
+            known = len(words)
     except BaseException:
         link.master.abort_download()
         link.wait(lambda: ended(link), 1.0)

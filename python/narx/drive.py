@@ -286,9 +286,9 @@ class Drive:
         """The external log memory."""
         return Log(self._link)
 
-    def description(self, progress: Callable[[int, int], None] | None = None) -> str:
+    def description(self, progress: Callable[[int, int], None] | bool | None = None) -> str:
         """Downloads the drive's description of itself (XML). progress: called with the number of words
-        received and the total."""
+        received and the total; or whether to show a progress bar, as of `narx.read_log`."""
         from narx.download import download
 
         return download(self._link, "description", progress=progress).rstrip(b"\0").decode()

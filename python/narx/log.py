@@ -118,14 +118,14 @@ class Log:
         self,
         first: int = 0,
         count: int | None = None,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Callable[[int, int], None] | bool | None = None,
     ) -> Trace:
         """Downloads the records from index `first` on, to the last one or `count` of them: `index`, `time` in
         s since power-up, and the values.
 
         A value that a record does not have is NaN; a record that the drive cannot read any more is left out.
-        progress: called with the number of words received and the total. Raises ParameterError for records
-        that the log does not have.
+        progress: called with the number of words received and the total; or whether to show a progress bar, as
+        of `narx.read_log`. Raises ParameterError for records that the log does not have.
         """
         last = len(self)
         first = _core.whole_number("first", first, 0)

@@ -17,6 +17,7 @@ from narx.can_log import CanLog
 from narx.columns import FLAGS, LogError
 from narx.errors import NarxWarning, ParameterError
 from narx.extras import need
+from narx.progress import bar
 
 if TYPE_CHECKING:
     import can
@@ -25,6 +26,8 @@ BATCH = 10_000
 """Number of frames that are passed on at a time."""
 CHUNK = 1 << 16
 """Number of packed bytes that are unpacked at a time: everything before a damaged place is kept."""
+EXPANSION, EXPANDED = 200, 1 << 26
+"""Largest ratio of unpacked to packed bytes once there are this many: logs are packed 5- to 20-fold."""
 GZIP = zlib.MAX_WBITS | 16
 TOLD = 200
 """Number of characters of a line that an error shows."""
@@ -40,6 +43,7 @@ def read_log(
     slave: int | None = 170,
     monitor: int | None = 85,
     encoders: Iterable[int] = (),
+    progress: bool | None = None,
 ) -> CanLog:
     """Reads and decodes a log of a CAN bus. The suffix of the file determines its format, as in
     `can.LogReader`: `.log` (candump), `.asc`, `.blf`, `.csv`, `.trc`, `.db`, `.mf4`; all but the last two
@@ -48,7 +52,8 @@ def read_log(
     slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
     with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
     in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back:
-    see `CanLog.laps`. Formats other than candump need python-can.
+    see `CanLog.laps`. Formats other than candump need python-can; for these progress shows a progress bar of
+    tqdm, by default after 1 s if tqdm is installed and the output is a terminal or a notebook.
     """
     path = given.path(path)
     nodes = given.several("encoders", encoders)
@@ -60,8 +65,10 @@ def read_log(
     if ending == ".log":
         reader.candump(contents(path, errors))
     else:
-        for batch in batches(frames(path, ending, errors), errors):
-            reader.frames(batch)
+        with bar(None, "frames", progress) as step:
+            for batch in batches(frames(path, ending, errors), errors):
+                reader.frames(batch)
+                step(len(batch))
     return told(CanLog(reader, errors, nodes), path)
 
 
@@ -87,6 +94,7 @@ def contents(path: Path, errors: list[LogError]) -> bytes:
     if path.suffix.lower() != ".gz":
         return data
     unpacked: list[bytes] = []
+    size = 0
     member, begun = zlib.decompressobj(GZIP), False
     try:
         for at in range(0, len(data), CHUNK):
@@ -94,6 +102,10 @@ def contents(path: Path, errors: list[LogError]) -> bytes:
             # A .gz file may hold several members, with zeros between them.
             while packed := packed if begun else packed.lstrip(b"\0"):
                 unpacked.append(member.decompress(packed))
+                size += len(unpacked[-1])
+                if size > EXPANDED and size > EXPANSION * (at + CHUNK):
+                    errors.append(LogError(None, "", f"expands more than {EXPANSION}-fold: reading ended after {size} bytes"))
+                    return b"".join(unpacked)
                 packed, begun = member.unused_data, not member.eof
                 if member.eof:
                     member = zlib.decompressobj(GZIP)

@@ -31,3 +31,22 @@ def bar(total: float | None, unit: str, progress: bool | None) -> Iterator[Calla
         total=total, unit=unit, bar_format=style, delay=0.0 if progress else DELAY, disable=None if progress is None else False
     ) as shown:
         yield shown.update
+
+
+@contextmanager
+def counted(unit: str, progress: Callable[[int, int], None] | bool | None) -> Iterator[Callable[[int, int], None] | None]:
+    """Yields the function to call with what is done and the total: `progress` if it is one, else that of a
+    progress bar, as of `bar`."""
+    if callable(progress):
+        yield progress
+        return
+    with bar(1.0, unit, progress) as step:
+        last = 0.0
+
+        def tell(done: int, total: int) -> None:
+            nonlocal last
+            share = done / total if total else 1.0
+            step(share - last)
+            last = share
+
+        yield tell

@@ -172,9 +172,9 @@ class Scope:
         """Lets time pass until the record is complete, or raises NoAnswerError after `timeout` s."""
         record(self._link, "await scope", within=timeout)
 
-    def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
+    def download(self, progress: Callable[[int, int], None] | bool | None = None) -> Trace:
         """Downloads the record: a row per sample, `time` in s from the trigger. progress: called with the
-        number of words received and the total. Raises RefusedError while there is none."""
+        number of words received and the total; or whether to show a progress bar, as of `narx.read_log`. Raises RefusedError while there is none."""
         self._expect_record(inputs=False)
         channels = int(self._parameters[CHANNELS])
         signals = self._signals
@@ -189,9 +189,9 @@ class Scope:
         units = {"time": "s"} | {name: signals[name][1] for name in names}
         return Trace(columns, units)
 
-    def download_recording(self, progress: Callable[[int, int], None] | None = None) -> ScopeRecording:
+    def download_recording(self, progress: Callable[[int, int], None] | bool | None = None) -> ScopeRecording:
         """Downloads the record of inputs, as a recording that `narx.replay` runs again bit for bit. progress:
-        called with the number of words received and the total.
+        as of `download`.
 
         Raises RecordingError for a record of another version of narx, or one that is damaged.
         """

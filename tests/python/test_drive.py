@@ -351,3 +351,18 @@ def test_open_loop_has_a_speed() -> None:
     bench.run(2.0)
     assert bench.drive.measurements.speed == speed
     assert bench.run(0.1)["speed_estimated"][-1] == pytest.approx(speed, abs=1)
+
+
+def test_progress_is_a_bar_or_a_function(bench: narx.Bench, capsys: pytest.CaptureFixture[str]) -> None:
+    seen: list[tuple[int, int]] = []
+    bench.run(0.2)
+    bench.drive.description(lambda done, total: seen.append((done, total)))
+    assert seen[-1][0] == seen[-1][1] > 0 and capsys.readouterr().err == ""
+    for show in (lambda: bench.drive.description(True), lambda: bench.run(0.1, progress=True), lambda: bench.drive.scope.capture(["Duty"], samples=20)):
+        show()
+    shown = capsys.readouterr().err
+    assert "100%" in shown and "0.1/0.1 s" in shown
+    bench.run(1.5)
+    bench.drive.description()
+    # No bar by itself where the output is no terminal.
+    assert capsys.readouterr().err == ""

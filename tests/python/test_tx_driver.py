@@ -173,6 +173,17 @@ def test_what_a_node_complains_of() -> None:
         assert tx.errors == set()
 
 
+def test_the_eds_says_what_there_is_instead_of_mandatory_objects(tmp_path: Path) -> None:
+    (tmp_path / "tx.eds").write_text(narx.eds(1))
+    read = canopen.import_od(str(tmp_path / "tx.eds"), node_id=2)
+    assert 0x1000 not in read and 0x2000 in read
+    assert "Instead of 1000h, 1001h, 1017h and 1018h: its node-id 2000h" in read.comments
+    bench = narx.Bench("ec45-flat-50w-18v", mode="hall")
+    bench.add_tx_driver(2)
+    with pytest.raises(narx.ParameterError, match="there is no object"):
+        narx.TxDriver(bench, 2).parameters[0x1000]
+
+
 def test_canopen_sees_what_was_configured() -> None:
     with can.Bus(channel="beside", tx_drivers=[2], **BUS) as bus, narx.TxDriver(bus, 2) as tx:
         tx.parameters["Update Time"] = 20
