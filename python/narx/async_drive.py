@@ -139,7 +139,11 @@ class AsyncDrive:
 
         def work() -> T:
             link.cancelled.event = over
-            return call()
+            try:
+                return call()
+            finally:
+                # The next call in this thread is another one.
+                link.cancelled.event = None
 
         task = asyncio.get_running_loop().run_in_executor(None, work)
         try:

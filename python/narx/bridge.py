@@ -33,6 +33,8 @@ MESSAGE_MAX = 64
 """Longest message that is received, bytes."""
 POLICY, TOO_SLOW = 1008, 1013
 """Close codes of RFC 6455: a wrong token; a client that does not read."""
+CLOSE = 2.0
+"""Longest wait for a client's end of the connection, s."""
 PORT = 8765
 
 
@@ -81,7 +83,12 @@ class Bridge:
     def __init__(self, bus: can.BusABC, host: str = "127.0.0.1", port: int = PORT, token: str | None = None) -> None:
         self._can = need("can")
         self._server = need("websockets.asyncio.server")
+        self._closed = need("websockets.exceptions").ConnectionClosed
         self._port = _core.whole_number("port", port, 0, 65535)
+        if not isinstance(bus, self._can.BusABC):
+            raise ParameterError(f"bus {bus!r}: must be a bus of python-can")
+        if not isinstance(host, str):
+            raise ParameterError(f"host {host!r}: must be a text")
         if token is not None and not (isinstance(token, str) and token):
             raise ParameterError(f"token {token!r}: must be a text, or None for a random one")
         self._bus, self._host = bus, host
@@ -95,9 +102,9 @@ class Bridge:
         self._thread.start()
         try:
             self._port = begun.result()
-        except OSError as error:
+        except (OSError, UnicodeError) as error:
             self._thread.join()
-            raise BusError(f"host {host}, port {port}: {error.strerror or error}") from None
+            raise BusError(f"host {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
 
     @property
     def port(self) -> int:
@@ -151,15 +158,18 @@ class Bridge:
         with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
             try:
                 runner.run(self._serve(begun))
-            except OSError as error:
-                begun.set_exception(error)
+            except Exception as error:
+                if begun.done():
+                    self._error = self._error or error
+                else:
+                    begun.set_exception(error)
 
     async def _serve(self, begun: Future[int]) -> None:
         from narx._listener import Listener
 
         self._over = asyncio.Event()
         listener = Listener(self._from_thread(self._received), self._from_thread(self._failed))
-        async with self._server.serve(self._talk, self._host, self._port, max_size=MESSAGE_MAX, compression=None) as server:
+        async with self._server.serve(self._talk, self._host, self._port, max_size=MESSAGE_MAX, compression=None, close_timeout=CLOSE) as server:
             for listening in server.sockets:
                 # Connections inherit it. A larger buffer would only make the frames of a slow client older.
                 listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
@@ -220,18 +230,24 @@ class Bridge:
             return
         queue: asyncio.Queue[bytes | str] = asyncio.Queue(QUEUE)
         self._clients[client] = queue
-        writer = asyncio.create_task(write(client, queue))
+        writer = asyncio.create_task(self._write(client, queue))
         try:
             async for data in client:
                 try:
                     await self._take(client, data)
                 except (ParameterError, self._can.CanError, OSError) as error:
                     await client.send(refusal(str(error)))
-        except self._server.ConnectionClosed:
+        except self._closed:
             pass
         finally:
             self._clients.pop(client, None)
             writer.cancel()
+
+    async def _write(self, client: Any, queue: asyncio.Queue[bytes | str]) -> None:
+        """Sends what waits for a client, until it disconnects."""
+        with suppress(self._closed):
+            while True:
+                await client.send(await queue.get())
 
     async def _take(self, client: Any, data: bytes | str) -> None:
         """Sends a client's frame."""
@@ -241,12 +257,6 @@ class Bridge:
         # An adapter may block until its queue has room.
         await asyncio.to_thread(self._bus.send, frame)
         self._pass_on(data, client)
-
-
-async def write(client: Any, queue: asyncio.Queue[bytes | str]) -> None:
-    """Sends what waits for a client."""
-    while True:
-        await client.send(await queue.get())
 
 
 def refusal(reason: str) -> str:

@@ -139,9 +139,13 @@ def test_tokens_are_random_and_listening_is_local(bus: can.BusABC) -> None:
                 socket.create_connection((own, first.port), 1).close()
         with pytest.raises(narx.BusError, match=f"host 127.0.0.1, port {first.port}: .*in use"):
             narx.Bridge(bus, port=first.port)
-    for arguments, message in [({"port": 65536}, "port 65536: must be a whole number from 0 to 65535"), ({"token": ""}, "token '': must be a text")]:
+    for arguments, message in [({"port": 65536}, "port 65536: must be a whole number from 0 to 65535"), ({"token": ""}, "token '': must be a text"), ({"host": 5}, "host 5: must be a text")]:
         with pytest.raises(narx.ParameterError, match=message):
             narx.Bridge(bus, **arguments)  # type: ignore[arg-type]
+    with pytest.raises(narx.ParameterError, match="bus 5: must be a bus of python-can"):
+        narx.Bridge(5)  # type: ignore[arg-type]
+    with pytest.raises(narx.BusError, match="host no.such.host.invalid, port 0: "):
+        narx.Bridge(bus, "no.such.host.invalid", 0)
 
 
 def test_a_client_that_does_not_read_is_disconnected(bus: can.BusABC, node: can.BusABC, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -203,3 +203,17 @@ def test_csv_is_written_without_pandas(trace: narx.Trace, tmp_path: Path, monkey
 def test_every_extra_is_one_of_the_package() -> None:
     extras = set(importlib.metadata.metadata("narx").get_all("Provides-Extra") or [])
     assert set(EXTRAS.values()) <= extras
+
+
+@pytest.mark.parametrize("page", ["python/README.md", "docs/FROM-PYTHON.md"])
+def test_the_first_lines_of_a_page_need_no_extra(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(__file__).parents[2] / page).read_text(encoding="utf-8")
+    lines = text[text.index("import narx\n") :].splitlines()
+    # The block ends at a fence, or at the first line that is not indented.
+    end = next(row for row, line in enumerate(lines) if line == "```" or (row and page == "python/README.md" and line[:1].strip()))
+    monkeypatch.chdir(tmp_path)
+    for library in EXTRAS:
+        monkeypatch.setitem(sys.modules, library, None)
+    code = "\n".join(line.removeprefix("    ") for line in lines[:end])
+    assert "bench.run(1.0)" in code
+    exec(compile(code, page, "exec"), {})  # noqa: S102
