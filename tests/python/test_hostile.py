@@ -26,7 +26,8 @@ NAN, INF = math.nan, math.inf
 CALLS: list[Callable[[Any], object]] = [
     lambda value: BENCH.run(value),
     lambda value: BENCH.run(0.0, every=value),
-    lambda value: BENCH.copy().set_load(lambda time: value) or BENCH.copy().set_load([value]),  # type: ignore[func-returns-value]
+    lambda value: BENCH.copy().set_load([value]),  # type: ignore[arg-type]
+    lambda value: loaded(value).run(0.01),
     lambda value: BENCH.set_supply(resistance=value),
     lambda value: BENCH.copy().set_supply(([0.0, value], [1.0, value])),
     lambda value: narx.Load(machine=value),
@@ -45,6 +46,13 @@ CALLS: list[Callable[[Any], object]] = [
     lambda value: experiments.step_response(value, 1000),
 ]
 VALUES: list[Any] = [NAN, -INF, -1.5, "x\0y", b"\xff", None, object(), [], {}, 10**400, 1j, np.array([1.0, 2.0]), lambda: None]
+
+
+def loaded(value: Any) -> narx.Bench:
+    """Returns a bench whose load is this value as time passes."""
+    bench = BENCH.copy()
+    bench.set_load(lambda time: value)
+    return bench
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: repr(value)[:12])
