@@ -8,11 +8,14 @@ use narx_core::dictionary::number;
 use narx_core::motor::{Board, State};
 use narx_report::figures::{Figure, Part};
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::plant::{ComparatorConfig, MotorConfig, PlantConfig};
+use narx_sim::plant::{ComparatorConfig, LoadConfig, MotorConfig, PlantConfig};
+use narx_sim::presets::preset;
 use std::f64::consts::TAU;
 
 /// Supply of the runs, V: far from the over-voltage threshold, which other promises concern.
 const SUPPLY: f64 = 48.0;
+/// Highest supply of the drive (Table 2), V.
+const MOST: f64 = 60.0;
 
 /// A motor that reaches 60 000 electrical rpm at this supply.
 fn motor() -> MotorConfig {
@@ -61,7 +64,24 @@ pub(super) fn part(context: &Context<'_>) -> Part {
         }
         part.figures.push(figure.note("held within 0.5 %, a fan on the shaft"));
     }
+    for (edges, name) in [(false, "sampled back-EMF"), (true, "time-stamped edges")] {
+        for (share, of) in [(1.0 / 3.0, "a third of the rated torque"), (1.0, "the rated torque")] {
+            let speed = through_step(&board, edges, share * MARKET_CURRENT * MARKET_CONSTANT);
+            let name = format!("top speed of a maxon EC 45 flat, {name}");
+            let figure = Figure::new(&name, f64::from(speed), "electrical rpm");
+            part.figures.push(figure.note(format!("held within 0.5 % through a step to {of}")));
+        }
+    }
     part
+}
+
+/// Returns the last set-point of the motor from the market that was held, electrical rpm.
+fn through_step(board: &Board, edges: bool, torque: f64) -> i32 {
+    let per_tick = if edges { 0.4 } else { 0.3 };
+    let most = (per_tick * f64::from(board.tick_rate) * 10.0) as i32;
+    let speeds = (2..=15).map(|step| step * 10_000).take_while(|speed| *speed <= most);
+    let held = speeds.take_while(|speed| hold_through_step(board, edges, *speed, torque).is_ok());
+    held.last().unwrap_or(0)
 }
 
 /// Returns the last set-point that was held, and the reason why the next was not.
@@ -77,9 +97,43 @@ fn highest(board: &Board, edges: bool, speeds: &[i32]) -> (i32, Option<String>) 
     (held, None)
 }
 
+/// maxon EC 45 flat 50 W, 339285: a winding with 380 rpm a volt (github vhsabino/MATLAB,
+/// PIDMaxon/constants.m; 8 pole pairs, friction and cogging of its sibling among the presets). Its bearings
+/// are made for 10 000 rpm: the run is a test of the drive, and no advice.
+fn market() -> Result<MotorConfig, String> {
+    let sibling = preset("ec45-flat-50w-18v").ok_or("no such preset")?;
+    let torque_constant = MARKET_CONSTANT;
+    Ok(MotorConfig { resistance: 0.464, inductance: 3.22e-4, torque_constant, ..sibling.motor })
+}
+
+/// Its torque constant, N m/A, and the rated current of its sibling, A.
+const MARKET_CONSTANT: f64 = 0.0251;
+const MARKET_CURRENT: f64 = 3.68;
+
+/// Holds a set-point through a step of the load, N m.
+fn hold_through_step(board: &Board, edges: bool, electrical: i32, torque: f64) -> Result<(), String> {
+    let motor = market()?;
+    let rpm = electrical / i32::from(motor.pole_pairs);
+    let commissioning = commission(board, (motor, Some(MARKET_CURRENT), MOST), edges, rpm)?;
+    let mut plant = PlantConfig::new(motor, MOST);
+    plant.board = Board { comparator_capture: edges, ..*board };
+    plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
+    let mut trial = Trial::new(&plant, &commissioning, "", false);
+    trial.start(rpm);
+    let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
+    trial.until(5.0, closed).ok_or("no closed loop")?;
+    trial.run_while(3.0, |_| true);
+    for torque in [0.0, torque] {
+        trial.bench.plant_mut().set_load(LoadConfig { constant: torque, ..LoadConfig::default() });
+        trial.run_while(1.0, |_| true);
+        judge(&mut trial, rpm)?;
+    }
+    Ok(())
+}
+
 fn hold(board: &Board, motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> {
     let rpm = electrical / i32::from(motor.pole_pairs);
-    let commissioning = commission(board, motor, edges, rpm)?;
+    let commissioning = commission(board, (motor, None, SUPPLY), edges, rpm)?;
     let mut plant = PlantConfig::new(motor, SUPPLY);
     plant.board = Board { comparator_capture: edges, ..*board };
     plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
@@ -90,8 +144,13 @@ fn hold(board: &Board, motor: MotorConfig, edges: bool, electrical: i32) -> Resu
     let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
     trial.until(5.0, closed).ok_or("no closed loop")?;
     trial.run_while(3.0, |_| true);
+    judge(&mut trial, rpm)
+}
+
+/// The speed has to be within 0.5 % of the set-point, in closed loop.
+fn judge(trial: &mut Trial, rpm: i32) -> Result<(), String> {
     let mean = trial.mean_rpm(0.5);
-    if !closed(&trial) {
+    if trial.state() != State::SensorlessClosedLoop {
         let status = trial.bench.status();
         return Err(format!("{}, code {:#06x}", status.state.name(), status.extended_code));
     }
@@ -105,8 +164,13 @@ fn hold(board: &Board, motor: MotorConfig, edges: bool, electrical: i32) -> Resu
 
 /// Commissions the motor with the largest set-point raised to `rpm`: commissioning alone would keep four
 /// samples a sector.
-fn commission(board: &Board, motor: MotorConfig, edges: bool, rpm: i32) -> Result<Commissioning, String> {
-    let plate = Nameplate { motor, rated_current: None, supply: SUPPLY, open_loop_speed: None };
+fn commission(
+    board: &Board,
+    (motor, rated_current, supply): (MotorConfig, Option<f64>, f64),
+    edges: bool,
+    rpm: i32,
+) -> Result<Commissioning, String> {
+    let plate = Nameplate { motor, rated_current, supply, open_loop_speed: None };
     let commissioning = plate.commission_on(board, Mode::Sensorless, None);
     let mut commissioning = commissioning.map_err(|error| error.to_string())?;
     let mut set = |number, value| {
