@@ -137,7 +137,8 @@ export async function unclear(page) {
                 found.push(`${about(state)}: outline ${outline.toFixed(1)}:1`);
             }
         }
-        if (/primary|danger/.test(kind) && hovered.colours !== rest.colours) {
+        // A button that the drive enables meanwhile is another one.
+        if (/primary|danger/.test(kind) && hovered.disabled === rest.disabled && hovered.colours !== rest.colours) {
             found.push(`${about("hovered")}: ${hovered.colours}, at rest ${rest.colours}`);
         }
     }

@@ -95,3 +95,9 @@ export function isDrawn(canvas) {
         return new Set(new Uint32Array(data.buffer)).size > 2;
     });
 }
+
+/** Stops the time of the run. */
+export async function pause(page) {
+    await page.locator("#play").getByText("Pause").click();
+    await page.locator("#play").getByText("Run").waitFor();
+}

@@ -5,7 +5,7 @@ import { untrack } from "svelte";
 import type { BusFrame } from "narx";
 import { Drive, type DriveOptions } from "narx/drive";
 import { descriptions } from "./descriptions";
-import { chart } from "./received.svelte";
+import { recorder } from "./recorder.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
 import { trace } from "./trace.svelte";
@@ -84,6 +84,7 @@ class Session {
         this.#halt();
         this.link?.close();
         this.#forget("the connection was closed");
+        recorder.clear();
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
@@ -143,10 +144,12 @@ class Session {
         const drive = this.#begin(options);
         this.#opened = time;
         // In pieces, as the frames came, because plots get a point for each piece.
+        const known = recorder.history.end >= time;
         for (let at = 0; at < frames.length; at += PIECE) {
             const piece = frames.slice(at, at + PIECE);
-            this.#receive(drive, piece[piece.length - 1].time, piece);
+            this.#receive(drive, piece[piece.length - 1].time, piece, !known);
         }
+        recorder.now = time;
         const rpm = setpointOf(drive.master);
         if (rpm !== 0) {
             drive.master.start(rpm);
@@ -160,7 +163,6 @@ class Session {
         this.#gone?.(new Error(reason));
         this.#wasConnected = false;
         trace.clear();
-        chart.clear();
         nodes.clear();
     }
 
@@ -175,7 +177,8 @@ class Session {
         this.#changed = true;
     }
 
-    #receive(drive: Drive, time: number, frames: readonly BusFrame[]): void {
+    /** Takes frames; `records` is false for frames of an instant that was recorded before. */
+    #receive(drive: Drive, time: number, frames: readonly BusFrame[], records = true): void {
         if (this.drive !== drive) {
             return;
         }
@@ -186,9 +189,10 @@ class Session {
                 nodes.handleFrame(frame, frame.time);
             }
         }
-        const { connected, speed } = drive.master;
-        if (frames.length > 0 && connected && speed !== undefined) {
-            chart.append({ time: [time], speed: [speed], setpoint: [setpointOf(drive.master)] });
+        const { connected } = drive.master;
+        recorder.now = time;
+        if (frames.length > 0 && records) {
+            recorder.append(time, drive);
         }
         if (this.#wasConnected && !connected) {
             // A drive that comes back must not start to turn.
@@ -216,6 +220,7 @@ class Session {
         if (this.#changed && this.drive && this.link) {
             this.#changed = false;
             this.view = look(this.drive, this.link.now);
+            recorder.describe(this.view.measurementSignals, this.link.name.startsWith("Virtual"));
         }
         requestAnimationFrame(() => this.#draw());
     }

@@ -1,9 +1,9 @@
 // The bench in its worker, as a link, with the functions that only a bench has.
 
 import type { Frame, InjectionKind, Input } from "narx";
-import type { Action, Answer, MotorEntry, Now, Request, Setup } from "../bench/messages";
+import type { Action, Answer, MotorEntry, Now, Request, Rows, Setup } from "../bench/messages";
 import type { Run } from "../bench/run";
-import { Rolling } from "../rolling.svelte";
+import { History } from "../../plot/history.svelte";
 import type { Link, Listener } from "./link";
 
 /** Motors, inputs and faults that the worker offers. */
@@ -28,8 +28,8 @@ class VirtualDrive {
     reproduced = $state.raw<Reproduced>();
     /** Reason why the last request was refused. */
     problem = $state<string>();
-    /** The true signals of the last seconds. */
-    readonly rows = new Rolling();
+    /** The true signals of the run. */
+    readonly rows = new History();
     #worker: Worker | undefined;
     #listener: Listener | undefined;
     #queue: Action[] = [];
@@ -136,9 +136,15 @@ class VirtualDrive {
             return this.seek(next);
         }
         this.now = now;
-        this.rows.clear();
-        this.rows.append(rows);
+        // What is known of later instants stays until time runs from here.
+        if (this.rows.end < now.time) {
+            this.#append(rows);
+        }
         this.#listener?.handleReturn(now.time, frames);
+    }
+
+    #append({ time, ...columns }: Rows): void {
+        this.rows.append(time, columns);
     }
 
     #send(frame: Frame): void {
@@ -187,7 +193,7 @@ class VirtualDrive {
                 break;
             case "ran":
                 this.now = answer.now;
-                this.rows.append(answer.rows);
+                this.#append(answer.rows);
                 this.#listener?.handle(answer.now.time, answer.frames);
                 // In a microtask, so that it follows the frames that the page sends in reaction to the
                 // report.
