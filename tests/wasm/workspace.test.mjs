@@ -161,3 +161,57 @@ test("one timeline goes back on every panel, and the plots with it", async () =>
     assert.ok((await csv()).every((line) => Math.abs(Number(line.split(",")[1])) < 40));
     assert.deepEqual(complaints, []);
 });
+
+test("parameters are grouped, compared with factory and commissioning, and put back one by one", async () => {
+    const { page, complaints } = await operate(browser, "parameters");
+    await page.getByText(/parameters are still to be read/).waitFor({ state: "detached", timeout: 60_000 });
+    const groups = await page.locator("tr.group th").evaluateAll((heads) => heads.map((head) => head.title));
+    assert.ok(groups.includes("03-Machine characteristics (name in the manual)"), groups.join());
+    await page.locator("#only").selectOption("commissioned");
+    await page.getByText("No parameter matches the search.").waitFor();
+    await page.locator("#only").selectOption("all");
+    await page.locator("#search").fill("Pair poles");
+    const row = page.locator('[data-parameter="78"]');
+    const input = row.locator("input:enabled");
+    const commissioned = Number(await input.inputValue());
+    await input.fill("7");
+    await input.press("Enter");
+    await row.getByText("since commissioning").waitFor();
+    await page.locator("#search").fill("");
+    await page.locator("#only").selectOption("commissioned");
+    assert.deepEqual(await page.locator("[data-parameter]").evaluateAll((rows) => rows.map(({ dataset }) => Number(dataset.parameter))), [78]);
+    await row.locator("summary").click();
+    await row.locator(".revert-commissioned").click();
+    await page.getByText("No parameter matches the search.").waitFor();
+    await page.locator("#only").selectOption("all");
+    await page.locator("#search").fill("Pair poles");
+    assert.equal(Number(await row.locator("input").inputValue()), commissioned);
+    // A commissioning can be declared anew.
+    await input.fill("7");
+    await input.press("Enter");
+    await row.getByText("since commissioning").waitFor();
+    await page.locator("#keep-commissioned").click();
+    await row.getByText("since commissioning").waitFor({ state: "detached" });
+    await page.locator("#commissioned").getByText(/kept on \d{4}-\d\d-\d\d\.$/).waitFor();
+    const factory = Number(/Factory value: ([\d.]+)/.exec(await row.textContent())[1]);
+    if (factory !== 7) {
+        await row.locator("summary").click();
+        await row.locator(".revert-factory").click();
+        await page.waitForFunction((factory) => Number(document.querySelector('[data-parameter="78"] input').value) === factory, factory);
+    }
+    assert.deepEqual(complaints, []);
+});
+
+test("a number has its meaning from the description, and a refusal its unit", async () => {
+    const { page } = await operate(browser, "parameters");
+    await page.locator("#search").fill("Hall calibration state");
+    await page.locator('[data-parameter="279"] .meaning').getByText("none", { exact: true }).waitFor();
+    await go(page, "connection");
+    const supply = page.locator("#load");
+    await supply.fill("-1");
+    await supply.blur();
+    await page.getByRole("alert").getByText("Load torque: -1 N m: must be a number, at least 0 N m.").waitFor();
+    await page.locator("#pwm-rate").fill("8000.5");
+    await page.locator("#pwm-rate").blur();
+    await page.getByRole("alert").getByText("PWM frequency: 8000.5 Hz: must be a whole number from 8000 to 50000 Hz.").waitFor();
+});

@@ -43,11 +43,6 @@ export function connectVirtual(setup: Setup, txDrivers = 0): Promise<void> {
     return session.connect((listener) => virtualDrive.open(setup, actions, listener), master());
 }
 
-/** Returns whether the connection is a virtual drive of this page. */
-export function isVirtual(): boolean {
-    return session.link?.name.startsWith("Virtual") === true;
-}
-
 /** Powers up the present virtual drive again, with all functions of a drive. */
 export async function connectFull(): Promise<void> {
     settings.full = true;

@@ -4,6 +4,7 @@
 import { untrack } from "svelte";
 import type { BusFrame } from "narx";
 import { Drive, type DriveOptions } from "narx/drive";
+import { commissioned } from "./commissioned.svelte";
 import { descriptions } from "./descriptions";
 import { recorder } from "./recorder.svelte";
 import type { Link, Listener } from "./link/link";
@@ -49,6 +50,11 @@ class Session {
         return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected;
     }
 
+    /** True if the drive is a virtual one of this page. */
+    get isVirtual(): boolean {
+        return this.link?.name.startsWith("Virtual") === true;
+    }
+
     /** True until a connection was requested. */
     isFresh = true;
 
@@ -85,6 +91,7 @@ class Session {
         this.link?.close();
         this.#forget("the connection was closed");
         recorder.clear();
+        commissioned.clear();
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
@@ -220,7 +227,8 @@ class Session {
         if (this.#changed && this.drive && this.link) {
             this.#changed = false;
             this.view = look(this.drive, this.link.now);
-            recorder.describe(this.view.measurementSignals, this.link.name.startsWith("Virtual"));
+            recorder.describe(this.view.measurementSignals, this.isVirtual);
+            commissioned.look(this.view, !this.isVirtual);
         }
         requestAnimationFrame(() => this.#draw());
     }
