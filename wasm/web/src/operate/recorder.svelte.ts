@@ -2,9 +2,10 @@
 
 import type { Drive } from "narx/drive";
 import type { Table } from "narx/drive";
-import { parameters, type MeasurementSignal } from "narx/core";
+import type { MeasurementSignal, Parameter } from "narx/core";
 import uPlot from "uplot";
-import { History } from "../plot/history.svelte";
+import { History } from "../plot/history";
+import { Pulse } from "../plot/pulse.svelte";
 import type { Event, Signal, Source } from "../plot/source";
 import { ROW } from "./bench/messages";
 import { virtualDrive } from "./link/virtual.svelte";
@@ -16,7 +17,7 @@ import { setpointOf } from "./view";
 /** Largest number of events; the oldest are removed. */
 const EVENTS = 500;
 /** Shortest time between two rows, s. */
-const APART = 0.008;
+const APART = 0.02;
 /** Prefix of the columns of the virtual drive's true values. */
 const TRUE = "true ";
 const LIMITER = "Active limiter";
@@ -33,7 +34,6 @@ const OWN: readonly Signal[] = [
         manual: LIMITER,
         stepped: true,
         atLeast: 10,
-        names: valueNames(parameters().find(({ name }) => name === LIMITER)?.description ?? ""),
     },
 ];
 
@@ -51,16 +51,17 @@ class Recorder implements Source {
     readonly live = true;
     readonly history = new History();
     events = $state.raw<readonly Event[]>([]);
-    /** The link's present time, s. */
-    now = $state(0);
+    #now = 0;
+    readonly #pulse = new Pulse();
     #signals = $state.raw<readonly MeasurementSignal[]>([]);
+    #limiter = $state.raw<Parameter>();
     #virtual = $state(false);
     #state: number | undefined;
     #faults = "";
     #setpoint = 0;
     #last = -Infinity;
     readonly signals = $derived<readonly Signal[]>([
-        ...OWN,
+        ...OWN.map((signal) => (signal.manual === LIMITER ? { ...signal, names: valueNames(this.#limiter?.description ?? "") } : signal)),
         ...this.#signals.map(({ name, unit }) => ({ key: name, unit, manual: name, ...plain(name) })),
         ...(this.#virtual ? TRUTH : []),
     ]);
@@ -70,13 +71,19 @@ class Recorder implements Source {
     }
 
     get end(): number {
-        return this.now;
+        this.#pulse.read();
+        return this.#now;
+    }
+
+    /** Tells the link's present time, s. */
+    tell(now: number): void {
+        this.#now = now;
+        this.#pulse.change();
     }
 
     /** Records what the master knows of the drive now. A run that has returned to an earlier instant continues
      * here: what was recorded of later instants is removed. */
     append(time: number, { master }: Drive): void {
-        this.now = time;
         const { speed, state, faults, critical, connected } = master;
         if (!connected || speed === undefined || (time >= this.#last && time < this.#last + APART)) {
             return;
@@ -94,30 +101,32 @@ class Recorder implements Source {
         const fault = (faults ?? []).join(", ").replaceAll("_", " ");
         if (state !== this.#state && state !== undefined) {
             const reason = state === FAULT && critical?.meaning !== undefined ? `: ${critical.meaning}` : "";
-            this.#tell({ time, text: `${STATES[state] ?? state}${reason}`, tone: state === FAULT ? "fault" : "state" });
+            this.#mark({ time, text: `${STATES[state] ?? state}${reason}`, tone: state === FAULT ? "fault" : "state" });
         } else if (fault !== this.#faults && fault !== "") {
-            this.#tell({ time, text: fault, tone: "fault" });
+            this.#mark({ time, text: fault, tone: "fault" });
         }
         if (setpoint !== this.#setpoint && setpoint !== 0) {
-            this.#tell({ time, text: `${setpoint} rpm`, tone: "command" });
+            this.#mark({ time, text: `${setpoint} rpm`, tone: "command" });
         }
         [this.#state, this.#faults, this.#setpoint] = [state, fault, setpoint];
     }
 
-    /** Tells the recorder which signals the drive has, and whether it is a virtual one. */
-    describe(signals: readonly MeasurementSignal[], virtual: boolean): void {
+    /** Tells the recorder which signals and parameters the drive has, and whether it is a virtual one. */
+    describe(signals: readonly MeasurementSignal[], parameters: readonly Parameter[], virtual: boolean): void {
         [this.#signals, this.#virtual] = [signals, virtual];
+        this.#limiter = parameters.find(({ name }) => name === LIMITER);
     }
 
     clear(): void {
         this.history.clear();
         this.events = [];
-        [this.#state, this.#faults, this.#setpoint, this.#last, this.now] = [undefined, "", 0, -Infinity, 0];
+        [this.#state, this.#faults, this.#setpoint, this.#last] = [undefined, "", 0, -Infinity];
+        this.tell(0);
     }
 
     window(keys: readonly string[], from: number, to: number, points: number): uPlot.AlignedData {
         const [received, plant] = [keys.filter((key) => !key.startsWith(TRUE)), keys.filter((key) => key.startsWith(TRUE))];
-        const end = Math.min(to, this.now);
+        const end = Math.min(to, this.#now);
         const own = () => this.history.window(received, from, end, points);
         const truth = () => virtualDrive.rows.window(plant.map((key) => key.slice(TRUE.length)), from, end, points);
         if (plant.length === 0) {
@@ -138,7 +147,7 @@ class Recorder implements Source {
 
     /** Returns every row that was kept; with true values, a row for each time of theirs. */
     table(keys: readonly string[], from: number, to: number): Table {
-        const end = Math.min(to, this.now);
+        const end = Math.min(to, this.#now);
         const rows = keys.some((key) => key.startsWith(TRUE)) ? virtualDrive.rows : this.history;
         const { time } = rows.table([], {}, from, end);
         const named = this.signals.filter(({ key }) => keys.includes(key));
@@ -146,7 +155,7 @@ class Recorder implements Source {
         return { time, columns: Object.fromEntries(columns), units: Object.fromEntries(named.map(({ name, unit }) => [name, unit])) };
     }
 
-    #tell(event: Event): void {
+    #mark(event: Event): void {
         this.events = [...this.events.slice(1 - EVENTS), event];
     }
 }

@@ -6,6 +6,7 @@ import type { BusFrame } from "narx";
 import { Drive, type DriveOptions } from "narx/drive";
 import { commissioned } from "./commissioned.svelte";
 import { descriptions } from "./descriptions";
+import { PERIOD } from "../plot/pulse.svelte";
 import { recorder } from "./recorder.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
@@ -26,6 +27,8 @@ class Session {
     problem = $state<string>();
     connecting = $state(false);
     #changed = false;
+    /** Time of the last view, ms. */
+    #drawn = 0;
     /** The link's time when it was opened, s. */
     #opened = 0;
     #wasConnected = false;
@@ -156,7 +159,7 @@ class Session {
             const piece = frames.slice(at, at + PIECE);
             this.#receive(drive, piece[piece.length - 1].time, piece, !known);
         }
-        recorder.now = time;
+        recorder.tell(time);
         const rpm = setpointOf(drive.master);
         if (rpm !== 0) {
             drive.master.start(rpm);
@@ -197,7 +200,7 @@ class Session {
             }
         }
         const { connected } = drive.master;
-        recorder.now = time;
+        recorder.tell(time);
         if (frames.length > 0 && records) {
             recorder.append(time, drive);
         }
@@ -224,10 +227,11 @@ class Session {
     }
 
     #draw(): void {
-        if (this.#changed && this.drive && this.link) {
-            this.#changed = false;
+        const now = performance.now();
+        if (this.#changed && this.drive && this.link && now >= this.#drawn + PERIOD) {
+            [this.#changed, this.#drawn] = [false, now];
             this.view = look(this.drive, this.link.now);
-            recorder.describe(this.view.measurementSignals, this.isVirtual);
+            recorder.describe(this.view.measurementSignals, this.view.parameters, this.isVirtual);
             commissioned.look(this.view, !this.isVirtual);
         }
         requestAnimationFrame(() => this.#draw());

@@ -2,6 +2,7 @@
 
 import type { Table } from "narx/drive";
 import type uPlot from "uplot";
+import { Pulse } from "./pulse.svelte";
 import { firstAt, thinned } from "./rows";
 
 /** Largest number of rows. */
@@ -11,8 +12,7 @@ export class History {
     readonly #time = new Float64Array(ROWS);
     readonly #columns = new Map<string, Float32Array>();
     #length = 0;
-    #version = $state(0);
-    #drawn = true;
+    readonly #pulse = new Pulse();
 
     /** Names of the columns. */
     get names(): readonly string[] {
@@ -23,14 +23,14 @@ export class History {
         return this.#length;
     }
 
-    /** Time of the first row and of the last, s; 0 without rows. Its effect runs at most once a picture. */
+    /** Time of the first row and of the last, s; 0 without rows. Its effect runs a few times a second. */
     get begin(): number {
-        void this.#version;
+        this.#pulse.read();
         return this.#length > 0 ? this.#time[0] : 0;
     }
 
     get end(): number {
-        void this.#version;
+        this.#pulse.read();
         return this.#length > 0 ? this.#time[this.#length - 1] : 0;
     }
 
@@ -42,7 +42,9 @@ export class History {
         }
         this.cut(time[0]);
         for (const name of Object.keys(columns)) {
-            this.#columns.get(name) ?? this.#columns.set(name, new Float32Array(ROWS).fill(NaN));
+            if (!this.#columns.has(name)) {
+                this.#columns.set(name, new Float32Array(ROWS).fill(NaN));
+            }
         }
         for (let row = 0; row < time.length; row += 1) {
             if (this.#length === ROWS) {
@@ -54,27 +56,27 @@ export class History {
             }
             this.#length += 1;
         }
-        this.#draw();
+        this.#pulse.change();
     }
 
     /** Removes the rows that are not earlier than an instant. */
     cut(time: number): void {
         if (this.#length > 0 && this.#time[this.#length - 1] >= time) {
             this.#length = this.#first(time);
-            this.#draw();
+            this.#pulse.change();
         }
     }
 
     clear(): void {
         this.#length = 0;
         this.#columns.clear();
-        this.#draw();
+        this.#pulse.change();
     }
 
     /** Returns time and columns between two instants for a plot. Of many rows it returns those with the
      * smallest and the largest value of each column in each of `points` equal pieces. */
     window(names: readonly string[], from: number, to: number, points: number): uPlot.AlignedData {
-        void this.#version;
+        this.#pulse.read();
         const columns = names.map((name) => this.#columns.get(name));
         // One more row on each side, so that curves reach the edges.
         const [first, last] = [Math.max(this.#first(from) - 1, 0), Math.min(this.#first(to) + 1, this.#length)];
@@ -90,7 +92,7 @@ export class History {
 
     /** Returns the value of a signal at an instant: that of the last row that is not later. */
     at(name: string, time: number): number {
-        void this.#version;
+        this.#pulse.read();
         const row = this.#first(time + 1e-9) - 1;
         return row < 0 ? NaN : (this.#columns.get(name)?.[row] ?? NaN);
     }
@@ -109,15 +111,5 @@ export class History {
             column.copyWithin(half / 2, half);
         }
         this.#length -= half / 2;
-    }
-
-    #draw(): void {
-        if (this.#drawn) {
-            this.#drawn = false;
-            requestAnimationFrame(() => {
-                this.#drawn = true;
-                this.#version += 1;
-            });
-        }
     }
 }
