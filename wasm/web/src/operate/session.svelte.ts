@@ -26,6 +26,7 @@ class Session {
     /** Reason why there is no link. */
     problem = $state<string>();
     connecting = $state(false);
+    #connection: object | undefined;
     #changed = false;
     /** Time of the last view, ms. */
     #drawn = 0;
@@ -68,16 +69,18 @@ class Session {
         this.connecting = true;
         this.problem = undefined;
         try {
-            let drive = this.#begin(options);
+            this.#begin(options);
             this.options = options;
+            const mine = (this.#connection = {});
+            const present = (handle: (drive: Drive) => void) => {
+                if (this.#connection === mine && this.drive) {
+                    handle(this.drive);
+                }
+            };
             this.link = await open({
-                handle: (time, frames) => this.#receive(drive, time, frames),
-                handleReturn: (time, frames) => {
-                    if (this.drive === drive) {
-                        drive = this.#return(options, time, frames);
-                    }
-                },
-                handleLoss: (reason) => this.#lose(drive, reason),
+                handle: (time, frames) => present((drive) => this.#receive(drive, time, frames)),
+                handleReturn: (time, frames) => present(() => this.#return(this.options, time, frames)),
+                handleLoss: (reason) => present((drive) => this.#lose(drive, reason)),
             });
             this.#opened = this.link.now;
         } catch (error) {
@@ -86,6 +89,21 @@ class Session {
         } finally {
             this.connecting = false;
         }
+    }
+
+    /** Changes options of the master on the present link. The drive with the old address gets the request for
+     * Standby. */
+    configure(options: DriveOptions): void {
+        if (!this.link || this.link.readOnly) {
+            return;
+        }
+        this.#halt();
+        this.#forget("the addresses were changed");
+        this.options = { ...this.options, ...options };
+        this.#begin(this.options);
+        this.#opened = this.link.now;
+        commissioned.clear();
+        this.pump();
     }
 
     /** Requests Standby and closes the link. */
@@ -149,7 +167,7 @@ class Session {
 
     /** Makes a master at an earlier instant. It receives the frames just before that, and continues to
      * request their set-point. */
-    #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): Drive {
+    #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): void {
         this.#forget("the simulated time has returned to an earlier instant");
         const drive = this.#begin(options);
         this.#opened = time;
@@ -165,7 +183,6 @@ class Session {
             drive.master.start(rpm);
         }
         this.pump();
-        return drive;
     }
 
     /** Removes everything that was received, and rejects the calls that wait. */
