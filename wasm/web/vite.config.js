@@ -27,8 +27,9 @@ const begin = {
             const links = [...[...chunks].map((href) => ["modulepreload", href]), ...styles.map((href) => ["stylesheet", href])];
             const script = `{
                 const operates = location.hash.startsWith("#/operate");
+                const simulates = operates || /^#.learn../.test(location.hash);
                 const load = (name) => WebAssembly.compileStreaming(fetch(name));
-                globalThis.begun = { narx: load("./${wasm("narx")}"), ...(operates && { core: load("./${wasm("core")}") }) };
+                globalThis.begun = { ...(simulates && { narx: load("./${wasm("narx")}") }), ...(operates && { core: load("./${wasm("core")}") }) };
                 Object.values(begun).forEach((module) => module.catch(() => undefined));
                 for (const [rel, href] of operates ? ${JSON.stringify(links)} : []) {
                     document.head.append(Object.assign(document.createElement("link"), { rel, href: "./" + href }));
