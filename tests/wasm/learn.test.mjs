@@ -321,3 +321,24 @@ test("a phone's first screen always has a picture, or something to do", async ()
         assert.ok(top < 740 - 120, `${route}: it begins at ${top} px`);
     }
 });
+
+test("only one line of the state diagram crosses others, and no line runs through a box", async () => {
+    const { page } = await open("faults", STILL);
+    const ways = await page.locator("path.way").evaluateAll((paths) => paths.map((path) => ({ name: path.dataset.name, points: [...path.getAttribute("d").matchAll(/([\d.]+) ([\d.]+)/g)].map(([, x, y]) => [Number(x), Number(y)]) })));
+    const boxes = await page.locator("g.state").evaluateAll((groups) =>
+        groups.map((group) => {
+            const [, x, y] = /translate\(([\d.]+) ([\d.]+)\)/.exec(group.getAttribute("transform")).map(Number);
+            const rect = group.querySelector("rect");
+            return { x, y, width: rect.width.baseVal.value, height: rect.height.baseVal.value };
+        }),
+    );
+    const segments = ways.flatMap(({ name, points }) => points.slice(1).map((end, at) => ({ name, from: points[at], to: end })));
+    assert.ok(ways.length === 23 && segments.every(({ from, to }) => from[0] === to[0] || from[1] === to[1]), "straight");
+    const within = (value, one, two) => value > Math.min(one, two) && value < Math.max(one, two);
+    const crossed = segments.flatMap((flat) => segments.filter((steep) => flat.from[1] === flat.to[1] && steep.from[0] === steep.to[0] && within(steep.from[0], flat.from[0], flat.to[0]) && within(flat.from[1], steep.from[1], steep.to[1])).map((steep) => `${flat.name} ${steep.name}`));
+    assert.deepEqual(crossed.sort(), ["T71 T45", "T71 T54"]);
+    for (const { name, from, to } of segments) {
+        const [x, y] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
+        assert.ok(boxes.every((box) => Math.abs(x - box.x) >= box.width / 2 || Math.abs(y - box.y) >= box.height / 2), name);
+    }
+});

@@ -5,7 +5,7 @@ import { start } from "./browser.mjs";
 
 const [RATE, LATENCY, SLOWER] = [1.44e6 / 8, 562, 4];
 /** Each area, and what its user waits for. */
-const AREAS = { learn: "[data-usable=true]", operate: "#start:enabled" };
+const AREAS = { learn: "[data-usable=true]", "learn/sensorless-start": ".transport button:enabled", operate: "#start:enabled" };
 
 const browser = await start();
 const slow = await listen(browser.port);
