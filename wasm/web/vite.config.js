@@ -15,24 +15,32 @@ const begin = {
         handler(html, { bundle }) {
             const files = Object.values(bundle);
             const wasm = (name) => files.find(({ fileName }) => new RegExp(`/${name}_bg-.*\\.wasm$`).test(fileName)).fileName;
-            const chunks = new Set();
-            const add = (name) => {
-                if (!chunks.has(name) && !bundle[name].isEntry) {
-                    chunks.add(name);
-                    bundle[name].imports.forEach(add);
+            /** Files that a place needs besides the first script: chunks, which name their imports, and styles. */
+            const needs = (name, found = new Set()) => {
+                if (!found.has(name) && !bundle[name].isEntry) {
+                    found.add(name);
+                    bundle[name].imports.forEach((other) => needs(other, found));
+                    bundle[name].viteMetadata?.importedCss.forEach((style) => found.add(style));
                 }
+                return found;
             };
-            add(files.find(({ facadeModuleId }) => facadeModuleId?.endsWith("/operate/Operate.svelte")).fileName);
-            const styles = [...chunks].flatMap((name) => [...(bundle[name].viteMetadata?.importedCss ?? [])]);
-            const links = [...[...chunks].map((href) => ["modulepreload", href]), ...styles.map((href) => ["stylesheet", href])];
+            const places = files.flatMap(({ facadeModuleId = "", fileName }) => {
+                const chapter = /\/learn\/chapters\/(\w+)\.svelte$/.exec(facadeModuleId ?? "")?.[1];
+                const place = facadeModuleId?.endsWith("/operate/Operate.svelte") ? "operate" : chapter && `learn/${chapter.replaceAll(/\B[A-Z]/g, "-$&").toLowerCase()}`;
+                return place ? [[place, [...needs(fileName)]]] : [];
+            });
+            const names = [...new Set(places.flatMap(([, needed]) => needed))];
+            const numbers = Object.fromEntries(places.map(([place, needed]) => [place, needed.map((name) => names.indexOf(name))]));
             const script = `{
-                const operates = location.hash.startsWith("#/operate");
-                const simulates = operates || /^#.learn../.test(location.hash);
+                const [area, page] = location.hash.replace(/^#.?/, "").split(/[/?]/);
+                const place = area === "learn" ? "learn/" + page : area;
+                const names = ${JSON.stringify(names.map((name) => name.replace("assets/", "")))};
+                const needed = ${JSON.stringify(numbers)}[place];
                 const load = (name) => WebAssembly.compileStreaming(fetch(name));
-                globalThis.begun = { ...(simulates && { narx: load("./${wasm("narx")}") }), ...(operates && { core: load("./${wasm("core")}") }) };
+                globalThis.begun = { ...(area === "operate" && { core: load("./${wasm("core")}") }), ...(needed && { narx: load("./${wasm("narx")}") }) };
                 Object.values(begun).forEach((module) => module.catch(() => undefined));
-                for (const [rel, href] of operates ? ${JSON.stringify(links)} : []) {
-                    document.head.append(Object.assign(document.createElement("link"), { rel, href: "./" + href }));
+                for (const name of (needed ?? []).map((number) => names[number])) {
+                    document.head.append(Object.assign(document.createElement("link"), { rel: name.endsWith("css") ? "stylesheet" : "modulepreload", href: "./assets/" + name }));
                 }
             }`;
             return html.replace("</title>", `</title><script>${script.replaceAll(/\s+/g, " ")}</script>`);

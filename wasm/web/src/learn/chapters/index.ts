@@ -47,7 +47,7 @@ export const CHAPTERS: Chapter[] = [
         path: "hall-sensors",
         title: "Hall sensors and misalignment",
         about: "Shift the sensors, watch the current rise, and let the drive calibrate itself.",
-        load: () => import("./Halls.svelte"),
+        load: () => import("./HallSensors.svelte"),
     },
     {
         path: "speed-loop",
