@@ -18,7 +18,20 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         if std::env::var_os("CHROMIUM").is_none() {
             install::debian(&[CHROMIUM])?;
         }
-        node(root, &["page", "learn", "model", "operate", "workspace", "passing", "instruments", "adapter", "bridge"])
+        node(
+            root,
+            &[
+                "page",
+                "learn",
+                "model",
+                "operate",
+                "workspace",
+                "passing",
+                "instruments",
+                "adapter",
+                "bridge",
+            ],
+        )
     }));
     steps
 }
