@@ -43,13 +43,15 @@ export async function start() {
         throw error;
     });
     return {
-        async open(options, route = "") {
+        /** Port of the server. */
+        port: server.address().port,
+        async open(options, route = "", address = `http://127.0.0.1:${server.address().port}/${route}`) {
             const page = await browser.newPage(options);
             const complaints = [];
             page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
             page.on("pageerror", (error) => complaints.push(error.message));
             page.on("requestfailed", (request) => complaints.push(`not loaded: ${request.url()}`));
-            await page.goto(`http://127.0.0.1:${server.address().port}/${route}`);
+            await page.goto(address);
             return { page, complaints };
         },
         /** A page that is left open goes on simulating, and every later test gets less of the machine. */
@@ -137,7 +139,8 @@ export async function unclear(page) {
                 found.push(`${about(state)}: outline ${outline.toFixed(1)}:1`);
             }
         }
-        if (/primary|danger/.test(kind) && hovered.colours !== rest.colours) {
+        // A button that the drive enables meanwhile is another one.
+        if (/primary|danger/.test(kind) && hovered.disabled === rest.disabled && hovered.colours !== rest.colours) {
             found.push(`${about("hovered")}: ${hovered.colours}, at rest ${rest.colours}`);
         }
     }

@@ -266,16 +266,19 @@ test("frames: a click shows what it sends and what the drive says to it", async 
 
 test("all chapters say what they are about, lead from one to the next, and end", async () => {
     const { page } = await browser.open(STILL, "#/learn");
-    // A motor turns beside the opening words.
-    await page.getByRole("img", { name: /^Bridge: [ABC]{2}$/ }).waitFor();
     const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
     await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").first().click();
     const visited = [];
     for (;;) {
         await page.getByRole("heading", { name: "Try this" }).waitFor();
         visited.push(new URL(page.url()).hash);
-        await page.locator("details summary").click();
-        assert.ok((await page.locator("details p").first().textContent()).length > 100);
+        // The answer comes after a prediction.
+        const predict = page.locator(".predict");
+        assert.equal(await predict.locator("p").count(), 0);
+        await predict.locator(".guess").nth(visited.length % 3).click();
+        assert.match(await predict.locator(".verdict").textContent(), /^(That is right\.|Not so: )/);
+        assert.ok((await predict.locator("p").last().textContent()).length > 100);
+        assert.equal(await predict.locator(".guess.right").count(), 1);
         const next = page.locator('a[rel="next"]');
         if ((await next.count()) === 0) {
             break;
@@ -287,4 +290,55 @@ test("all chapters say what they are about, lead from one to the next, and end",
     assert.deepEqual(visited, links);
     await page.evaluate(() => location.assign("#/learn/magic"));
     await page.getByRole("heading", { name: 'There is no chapter "magic"' }).waitFor();
+});
+
+test("the first place has a motor to grab, and two ways on", async () => {
+    const { page, complaints } = await browser.open({}, "");
+    const rotor = page.getByRole("slider", { name: "Rotor" });
+    await rotor.press("PageUp");
+    assert.equal(await rotor.getAttribute("aria-valuenow"), "90");
+    await rotor.press("Enter");
+    // Step AB pulls it to 150 degrees.
+    await page.waitForFunction(() => Math.abs(Number(document.querySelector("[role=slider]").ariaValueNow) - 150) <= 1);
+    await page.getByLabel("Let the steps follow the rotor").check();
+    await page.getByText("Step BA pulls the rotor to 330°.").waitFor();
+    await page.getByRole("link", { name: "Spin a motor" }).click();
+    await page.getByRole("heading", { level: 1, name: "Six-step commutation" }).waitFor();
+    await page.goBack();
+    await page.getByRole("link", { name: "Operate one" }).click();
+    await page.locator("#start:enabled").waitFor();
+    assert.deepEqual(complaints, []);
+});
+
+test("a phone's first screen always has a picture, or something to do", async () => {
+    const { page } = await browser.open({ ...STILL, viewport: { width: 360, height: 740 } }, "#/learn");
+    const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
+    for (const route of ["#/learn", ...links]) {
+        await page.evaluate((route) => location.assign(route), route);
+        await page.locator("main h1").waitFor();
+        await page.locator("article svg, article canvas").first().waitFor();
+        const top = await page.evaluate(() => Math.min(...[...document.querySelectorAll("article svg, article canvas, article figure button")].filter((picture) => picture.checkVisibility()).map((picture) => picture.getBoundingClientRect().top)));
+        assert.ok(top < 740 - 120, `${route}: it begins at ${top} px`);
+    }
+});
+
+test("only one line of the state diagram crosses others, and no line runs through a box", async () => {
+    const { page } = await open("faults", STILL);
+    const ways = await page.locator("path.way").evaluateAll((paths) => paths.map((path) => ({ name: path.dataset.name, points: [...path.getAttribute("d").matchAll(/([\d.]+) ([\d.]+)/g)].map(([, x, y]) => [Number(x), Number(y)]) })));
+    const boxes = await page.locator("g.state").evaluateAll((groups) =>
+        groups.map((group) => {
+            const [, x, y] = /translate\(([\d.]+) ([\d.]+)\)/.exec(group.getAttribute("transform")).map(Number);
+            const rect = group.querySelector("rect");
+            return { x, y, width: rect.width.baseVal.value, height: rect.height.baseVal.value };
+        }),
+    );
+    const segments = ways.flatMap(({ name, points }) => points.slice(1).map((end, at) => ({ name, from: points[at], to: end })));
+    assert.ok(ways.length === 23 && segments.every(({ from, to }) => from[0] === to[0] || from[1] === to[1]), "straight");
+    const within = (value, one, two) => value > Math.min(one, two) && value < Math.max(one, two);
+    const crossed = segments.flatMap((flat) => segments.filter((steep) => flat.from[1] === flat.to[1] && steep.from[0] === steep.to[0] && within(steep.from[0], flat.from[0], flat.to[0]) && within(flat.from[1], steep.from[1], steep.to[1])).map((steep) => `${flat.name} ${steep.name}`));
+    assert.deepEqual(crossed.sort(), ["T71 T45", "T71 T54"]);
+    for (const { name, from, to } of segments) {
+        const [x, y] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
+        assert.ok(boxes.every((box) => Math.abs(x - box.x) >= box.width / 2 || Math.abs(y - box.y) >= box.height / 2), name);
+    }
 });

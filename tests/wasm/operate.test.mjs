@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
 import { start as launch } from "./browser.mjs";
-import { go, inState, isDrawn, operate, reaches, saved, start } from "./operating.mjs";
+import { go, inState, isDrawn, operate, pause, reaches, saved, start } from "./operating.mjs";
 
 let browser;
 before(async () => {
@@ -39,7 +39,7 @@ test("motors spin up to their set-point and stop", async () => {
 test("the set-point changes while the motor turns, by keyboard, and the direction is the operator's", async () => {
     const { page, complaints } = await operate(browser, "main");
     await page.locator("#control-mode:enabled").waitFor();
-    await page.locator("#reverse").check();
+    await page.locator("#direction").selectOption("reverse");
     await page.locator("#setpoint").fill("2000");
     await page.locator("#setpoint").press("Enter");
     await reaches(page, -2000, 40);
@@ -186,7 +186,7 @@ test("what is broken is named, and works again once it is mended and acknowledge
     await page.locator("#fault-value").fill("70");
     await page.locator("#inject").click();
     await inState(page, "Fault");
-    assert.match(await page.locator(".bar .faults").textContent(), /bus voltage above/);
+    assert.match(await page.locator(".bar .faults").textContent(), /^Bus voltage above .* Remove the cause, then acknowledge the fault\./s);
     await page.locator("#mend").click();
     await go(page, "main");
     assert.ok((await page.locator("li.alarm.on").allTextContents()).some((text) => text.includes("over voltage")));
@@ -360,23 +360,22 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
     const { page, complaints } = await operate(browser, "main");
     await start(page, 1500);
     await reaches(page, 1500, 40);
-    const bench = page.locator("#bench-time");
+    const bench = page.locator("#time");
     await go(page, "virtual");
     const turning = Number(await bench.textContent());
     await page.locator("#load").fill("0.02");
     await page.locator("#load").press("Enter");
     await page.locator(".bar .stop").click();
     await inState(page, "Standby");
-    await page.locator("#pause").click();
-    await page.locator("#resume").waitFor();
+    await pause(page);
     assert.equal(await page.locator("#pace option:checked").textContent(), "real time");
     const digest = await digestOf(page);
     const instant = page.locator("#instant");
-    const end = Number(await instant.getAttribute("max"));
+    const end = Math.round(Number(await instant.getAttribute("max")) * 10_000);
 
     const seek = async (tick) => {
         await instant.evaluate((input, tick) => {
-            input.value = String(tick);
+            input.value = String(tick / 10_000);
             input.dispatchEvent(new Event("input", { bubbles: true }));
         }, tick);
         await page.getByText(new RegExp(`control tick ${tick}$`)).waitFor();
@@ -385,7 +384,7 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
     await inState(page, "Closed-loop Hall Effect Sensors");
     await reaches(page, 1500, 60);
     await page.locator("#went-back").waitFor();
-    assert.equal(await instant.getAttribute("max"), String(end));
+    assert.equal(Math.round(Number(await instant.getAttribute("max")) * 10_000), end);
     // The whole run is still there, bit for bit.
     await seek(end);
     await inState(page, "Standby");
@@ -394,11 +393,11 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
 
     // Another way from there: nobody has stopped it, and there is no load.
     await seek(Math.round(turning * 10_000));
-    await page.locator("#resume").click();
-    await page.waitForFunction((end) => Number(document.querySelector("#bench-time").textContent) * 10_000 > end + 5000, end);
+    await page.locator("#play").click();
+    await page.waitForFunction((end) => Number(document.querySelector("#time").textContent) * 10_000 > end + 5000, end);
     await inState(page, "Closed-loop Hall Effect Sensors");
     await reaches(page, 1500, 60);
-    assert.ok(Number(await instant.getAttribute("max")) > end);
+    assert.ok(Number(await instant.getAttribute("max")) * 10_000 > end);
     assert.deepEqual(complaints, []);
 });
 

@@ -48,7 +48,7 @@ test("the reader's choice of colours is kept", async () => {
 
 test("once loaded the page works without a network", async () => {
     const { page, complaints } = await browser.open({}, "#/learn");
-    await page.evaluate(() => navigator.serviceWorker.ready.then(({ active }) => active));
+    await page.evaluate(() => navigator.serviceWorker.register("./service-worker.js").then(() => navigator.serviceWorker.ready).then(({ active }) => active.state));
     await page.context().setOffline(true);
     await page.reload();
     await page.evaluate(() => location.assign("#/operate/main"));

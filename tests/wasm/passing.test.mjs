@@ -6,7 +6,7 @@ import { basename } from "node:path";
 import { after, afterEach, before, test } from "node:test";
 import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { start as launch } from "./browser.mjs";
-import { drop, go, inState, isDrawn, operate, reaches, saved, start } from "./operating.mjs";
+import { drop, go, inState, isDrawn, operate, pause, reaches, saved, start } from "./operating.mjs";
 import { VECTORS } from "./vectors.mjs";
 
 let browser;
@@ -30,18 +30,17 @@ test("a link repeats a faulty run bit for bit in another page", async () => {
     await page.locator("#fault").selectOption("hall-stuck");
     await page.locator("#inject").click();
     await inState(page, "Fault");
-    await page.locator("#pause").click();
-    await page.locator("#resume").waitFor();
+    await pause(page);
     await page.locator("#share").click();
     const link = await page.locator("#permalink").getAttribute("href");
     const digest = (await page.getByText(/digest [0-9a-f]{16}/).textContent()).match(/[0-9a-f]{16}/)[0];
-    const ticks = (await page.locator("#bench-time").locator("..").textContent()).match(/tick (\d+)/)[1];
+    const ticks = (await page.locator("#ticks").textContent()).match(/tick (\d+)/)[1];
 
     const other = await browser.open({}, link.slice(link.indexOf("#")));
     const told = other.page.locator("#reproduced");
     await told.waitFor();
     assert.equal(await told.textContent(), `Reproduced bit for bit: digest ${digest}.`);
-    assert.match(await other.page.locator("#bench-time").locator("..").textContent(), new RegExp(`tick ${ticks}$`));
+    assert.match(await other.page.locator("#ticks").textContent(), new RegExp(`tick ${ticks}$`));
     await inState(other.page, "Fault");
 
     // The recording of the run has the very digest.
@@ -69,12 +68,11 @@ test("a link keeps the PWM frequency, and one without it means 10 kHz", async ()
     await start(page, 1800);
     await reaches(page, 1800, 36);
     await go(page, "virtual");
-    await page.locator("#pause").click();
-    await page.locator("#resume").waitFor();
-    const time = async (page) => Number(await page.locator("#bench-time").textContent());
+    await pause(page);
+    const time = async (page) => Number(await page.locator("#time").textContent());
     const paused = await time(page);
-    await page.locator("#step-10-ms").click();
-    await page.waitForFunction((paused) => document.querySelector("#bench-time").textContent !== paused, paused.toFixed(5));
+    await page.locator("[data-step='200']").click();
+    await page.waitForFunction((paused) => document.querySelector("#time").textContent !== paused, paused.toFixed(5));
     assert.ok(Math.abs((await time(page)) - paused - 0.01) < 1e-6);
     await page.locator("#share").click();
     const link = await page.locator("#permalink").getAttribute("href");
@@ -169,15 +167,15 @@ test("a recording is stepped tick by tick, and a plot shows where", async () => 
     await page.locator("main h1").waitFor();
     await drop(page, { name: basename(file), buffer: readFileSync(file) });
     await page.getByRole("heading", { name: /^Tick 0 of \d+$/ }).waitFor();
-    await page.locator("#tick-on").click();
-    await page.locator("#tick-on").click();
+    await page.locator("section[aria-label='Time of the recording'] [data-step='1']").click();
+    await page.locator("section[aria-label='Time of the recording'] [data-step='1']").click();
     await page.getByRole("heading", { name: /^Tick 2 of/ }).waitFor();
     await page.getByText("Every output of this tick").click();
     await page.locator("#outputs").getByText(/^tick \d+: duty \d+/).waitFor();
     const canvas = page.locator("[aria-label='Plots'] canvas").first();
     assert.ok(await isDrawn(canvas));
     await page.locator("[aria-label='Plots'] .u-over").first().click({ position: { x: 200, y: 50 } });
-    await page.waitForFunction(() => Number(document.querySelector("#tick").value) > 100);
+    await page.waitForFunction(() => Number(document.querySelector("#file-instant").value) > 0.01);
     assert.deepEqual(complaints, []);
 });
 
@@ -195,8 +193,8 @@ test("a bus log opens as columns, and the panels show it without sending", async
     await page.locator("#play-log").click();
     await page.locator(".bar .link").getByText("Log bus.log").waitFor();
     // It begins where the log begins, and time passes.
-    await page.locator("#log-play").click();
-    const instant = page.locator("#log-instant");
+    await page.locator("#play").click();
+    const instant = page.locator("#instant");
     const [at, end] = await instant.evaluate(({ valueAsNumber, max }) => [valueAsNumber, Number(max)]);
     assert.ok(at < end / 2, `${at} s of ${end} s`);
     const seek = (seconds) =>
@@ -210,9 +208,9 @@ test("a bus log opens as columns, and the panels show it without sending", async
     // Just before the first set-point.
     await seek(times(/0AAD5266#(?!0000)/)[0] - times(/#/)[0] - 0.01);
     await inState(page, "Standby");
-    await page.locator("#log-play").click();
+    await page.locator("#play").click();
     await inState(page, "Closed-loop Hall Effect Sensors");
-    await page.waitForFunction(() => document.querySelector("#log-instant").valueAsNumber > 1);
+    await page.waitForFunction(() => document.querySelector("#instant").valueAsNumber > 1);
     assert.ok(await page.locator("#start").isDisabled());
     assert.deepEqual(complaints, []);
 });

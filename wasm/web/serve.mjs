@@ -1,17 +1,20 @@
 // Serves folders to this computer only; `node serve.mjs [PORT]` serves the built page.
 
-import { createReadStream } from "node:fs";
-import { stat } from "node:fs/promises";
+import { readFile, stat } from "node:fs/promises";
 import { createServer } from "node:http";
 import { extname, join, normalize, sep } from "node:path";
 import { argv } from "node:process";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 
 const TYPES = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
     ".json": "application/json",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".webmanifest": "application/manifest+json",
     ".wasm": "application/wasm",
 };
 
@@ -40,8 +43,21 @@ async function answer(folders, request, response) {
     if (!found || !found.isFile()) {
         return response.writeHead(404).end();
     }
-    response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Content-Length": found.size });
-    createReadStream(file).pipe(response);
+    const type = { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" };
+    if (type["Content-Type"] === "application/octet-stream" || !/\bgzip\b/.test(request.headers["accept-encoding"] ?? "")) {
+        return response.writeHead(200, type).end(await readFile(file));
+    }
+    response.writeHead(200, { ...type, "Content-Encoding": "gzip" }).end(await compressed(file, found.mtimeMs));
+}
+
+/** Compressed files, by name, with the time of their change. */
+const kept = new Map();
+
+async function compressed(file, changed) {
+    if (kept.get(file)?.changed !== changed) {
+        kept.set(file, { changed, bytes: gzipSync(await readFile(file), { level: 9 }) });
+    }
+    return kept.get(file).bytes;
 }
 
 if (argv[1] === fileURLToPath(import.meta.url)) {

@@ -32,13 +32,22 @@ export function choose(theme: Theme): void {
     }
 }
 
+/** Colours by name and theme. */
+const colours = new Map<string, string>();
+
 /** Returns a colour of style.css for a canvas. */
 export function colour(name: string): string {
+    const key = `${name} ${isDark()}`;
+    const known = colours.get(key);
+    if (known !== undefined) {
+        return known;
+    }
     const probe = document.createElement("i");
     probe.style.color = `var(${name})`;
     document.body.append(probe);
     const { color } = getComputedStyle(probe);
     probe.remove();
+    colours.set(key, color);
     return color;
 }
 

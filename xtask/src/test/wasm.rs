@@ -11,14 +11,27 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
     steps.push(Step::new("wasm in Node", move || {
-        node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size"])
+        node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size", "budget"])
     }));
     steps.push(Step::new("page in Chromium", move || {
         // The variable CHROMIUM names another browser.
         if std::env::var_os("CHROMIUM").is_none() {
             install::debian(&[CHROMIUM])?;
         }
-        node(root, &["page", "learn", "model", "operate", "passing", "instruments", "adapter"])
+        node(
+            root,
+            &[
+                "page",
+                "learn",
+                "model",
+                "operate",
+                "workspace",
+                "passing",
+                "instruments",
+                "adapter",
+                "bridge",
+            ],
+        )
     }));
     steps
 }

@@ -42,7 +42,12 @@ export interface Setup {
 }
 
 /** Message from the page. `pace` is simulated over real time; 0 stops the time. */
-export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: number } | { kind: "act"; actions: Action[] };
+export type Request =
+    /** The modules; `core` decodes frames, if the bench keeps them. */
+    | { kind: "begin"; narx: WebAssembly.Module; core?: WebAssembly.Module }
+    | { kind: "open"; setup: Setup }
+    | { kind: "pace"; pace: number }
+    | { kind: "act"; actions: Action[] };
 
 /** Message from the worker. */
 export type Answer =

@@ -1,8 +1,10 @@
 // One simulation for all pictures of a chapter. It runs in a worker; the newest tick, or an earlier one, is
 // in view.
 
+import { module } from "../modules";
 import { History, type Entered } from "./history";
 import { KEPT, type Action, type Answer, type Received, type Request, type Row, type Setup } from "./messages";
+import BenchWorker from "./worker?worker&inline";
 
 /** Time between two updates of the figures, ms. */
 const READING = 200;
@@ -41,7 +43,7 @@ export class Simulation {
      * actions caused. */
     handleFrames: (frames: Received[], acted: boolean) => void = () => {};
 
-    #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+    #worker = new BenchWorker();
     #ready = false;
     /** Set-up that is opened as soon as the worker has opened the previous one; a later set-up replaces
      * it. */
@@ -61,6 +63,10 @@ export class Simulation {
             this.problem = `The simulation cannot run in this browser: ${message}`;
         });
         document.addEventListener("visibilitychange", this.#hidden);
+        Promise.all([module("narx"), setup.options.frames ? module("core") : undefined]).then(
+            ([narx, core]) => this.#ask({ kind: "begin", narx, core }),
+            ({ message }: Error) => (this.problem = message),
+        );
         this.#draw();
     }
 

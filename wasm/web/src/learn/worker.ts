@@ -124,8 +124,17 @@ function pass(): void {
     setTimeout(pass, PERIOD);
 }
 
-function handle(request: Request): void {
+async function begin(narx: WebAssembly.Module, core?: WebAssembly.Module): Promise<void> {
+    await Promise.all([init({ module_or_path: narx }), core && initCore({ module_or_path: core })]);
+    answer({ kind: "ready" });
+    before = performance.now();
+    pass();
+}
+
+function handle(request: Request): void | Promise<void> {
     switch (request.kind) {
+        case "begin":
+            return begin(request.narx, request.core);
         case "open":
             return open(request.setup);
         case "pace":
@@ -140,15 +149,10 @@ function handle(request: Request): void {
     }
 }
 
-addEventListener("message", ({ data }: MessageEvent<Request>) => {
+addEventListener("message", async ({ data }: MessageEvent<Request>) => {
     try {
-        handle(data);
+        await handle(data);
     } catch (error) {
         answer({ kind: "refused", reason: error instanceof Error ? error.message : String(error) });
     }
 });
-
-await Promise.all([init(), initCore()]);
-answer({ kind: "ready" });
-before = performance.now();
-pass();

@@ -6,8 +6,8 @@ import type { BusFrame } from "narx";
 const INTERFACE = "can0";
 
 /** Returns a line for each frame. */
-export function candump(frames: readonly BusFrame[]): string {
-    return frames.map((frame) => `${line(frame)}\n`).join("");
+export function candump(frames: Iterable<BusFrame>): string {
+    return Array.from(frames, (frame) => `${line(frame)}\n`).join("");
 }
 
 /** Returns ID#DATA of a frame. */

@@ -4,6 +4,8 @@ import type { BusFrame, MotorName, Mode } from "narx";
 import type { Action, Setup } from "./bench/messages";
 import { PWM_RATE, type Run } from "./bench/run";
 import { openAdapter } from "./link/adapter";
+import { openBridge } from "./link/bridge";
+import { openGsUsb } from "./link/gsUsb";
 import { Playback } from "./link/playback.svelte";
 import { virtualDrive } from "./link/virtual.svelte";
 import { session } from "./session.svelte";
@@ -36,16 +38,14 @@ export const settings = $state({
     setpointPeriod: 50,
     readParameters: true,
     silent: false,
+    /** Address of a WebSocket bridge, and its token. */
+    bridge: "ws://127.0.0.1:8765/",
+    token: "",
 });
 
 export function connectVirtual(setup: Setup, txDrivers = 0): Promise<void> {
     const actions = Array.from({ length: txDrivers }, (_, index): Action => ({ call: "addTxDriver", options: { nodeId: index + 2 } }));
     return session.connect((listener) => virtualDrive.open(setup, actions, listener), master());
-}
-
-/** Returns whether the connection is a virtual drive of this page. */
-export function isVirtual(): boolean {
-    return session.link?.name.startsWith("Virtual") === true;
 }
 
 /** Powers up the present virtual drive again, with all functions of a drive. */
@@ -76,8 +76,28 @@ export function connectAdapter(): Promise<void> {
     return session.connect((listener) => openAdapter(listener, settings.silent), { ...master(), timeout: ADAPTER_TIMEOUT });
 }
 
+/** Asks the user for a gs_usb adapter, and connects it. */
+export function connectGsUsb(): Promise<void> {
+    return session.connect((listener) => openGsUsb(listener, settings.silent), { ...master(), timeout: ADAPTER_TIMEOUT });
+}
+
+/** Connects the bridge of the settings. */
+export function connectBridge(): Promise<void> {
+    return session.connect((listener) => openBridge(listener, settings.bridge, settings.token), { ...master(), timeout: ADAPTER_TIMEOUT });
+}
+
+/** Applies changed addresses and set-point period to the present connection. */
+export function applyMaster(): void {
+    const { slave, monitor, setpointPeriod } = master();
+    session.configure({ slave, monitor, setpointPeriod });
+}
+
 export function hasSerial(): boolean {
     return "serial" in navigator;
+}
+
+export function hasUsb(): boolean {
+    return "usb" in navigator;
 }
 
 function master() {

@@ -4,8 +4,10 @@
 import { untrack } from "svelte";
 import type { BusFrame } from "narx";
 import { Drive, type DriveOptions } from "narx/drive";
+import { commissioned } from "./commissioned.svelte";
 import { descriptions } from "./descriptions";
-import { chart } from "./received.svelte";
+import { PERIOD } from "../plot/pulse.svelte";
+import { recorder } from "./recorder.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
 import { trace } from "./trace.svelte";
@@ -24,7 +26,10 @@ class Session {
     /** Reason why there is no link. */
     problem = $state<string>();
     connecting = $state(false);
+    #connection: object | undefined;
     #changed = false;
+    /** Time of the last view, ms. */
+    #drawn = 0;
     /** The link's time when it was opened, s. */
     #opened = 0;
     #wasConnected = false;
@@ -49,6 +54,11 @@ class Session {
         return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected;
     }
 
+    /** True if the drive is a virtual one of this page. */
+    get isVirtual(): boolean {
+        return this.link?.name.startsWith("Virtual") === true;
+    }
+
     /** True until a connection was requested. */
     isFresh = true;
 
@@ -59,16 +69,18 @@ class Session {
         this.connecting = true;
         this.problem = undefined;
         try {
-            let drive = this.#begin(options);
+            this.#begin(options);
             this.options = options;
+            const mine = (this.#connection = {});
+            const present = (handle: (drive: Drive) => void) => {
+                if (this.#connection === mine && this.drive) {
+                    handle(this.drive);
+                }
+            };
             this.link = await open({
-                handle: (time, frames) => this.#receive(drive, time, frames),
-                handleReturn: (time, frames) => {
-                    if (this.drive === drive) {
-                        drive = this.#return(options, time, frames);
-                    }
-                },
-                handleLoss: (reason) => this.#lose(drive, reason),
+                handle: (time, frames) => present((drive) => this.#receive(drive, time, frames)),
+                handleReturn: (time, frames) => present(() => this.#return(this.options, time, frames)),
+                handleLoss: (reason) => present((drive) => this.#lose(drive, reason)),
             });
             this.#opened = this.link.now;
         } catch (error) {
@@ -79,11 +91,28 @@ class Session {
         }
     }
 
+    /** Changes options of the master on the present link. The drive with the old address gets the request for
+     * Standby. */
+    configure(options: DriveOptions): void {
+        if (!this.link || this.link.readOnly) {
+            return;
+        }
+        this.#halt();
+        this.#forget("the addresses were changed");
+        this.options = { ...this.options, ...options };
+        this.#begin(this.options);
+        this.#opened = this.link.now;
+        commissioned.clear();
+        this.pump();
+    }
+
     /** Requests Standby and closes the link. */
     disconnect(): void {
         this.#halt();
         this.link?.close();
         this.#forget("the connection was closed");
+        recorder.clear();
+        commissioned.clear();
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
@@ -138,21 +167,22 @@ class Session {
 
     /** Makes a master at an earlier instant. It receives the frames just before that, and continues to
      * request their set-point. */
-    #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): Drive {
+    #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): void {
         this.#forget("the simulated time has returned to an earlier instant");
         const drive = this.#begin(options);
         this.#opened = time;
         // In pieces, as the frames came, because plots get a point for each piece.
+        const known = recorder.history.end >= time;
         for (let at = 0; at < frames.length; at += PIECE) {
             const piece = frames.slice(at, at + PIECE);
-            this.#receive(drive, piece[piece.length - 1].time, piece);
+            this.#receive(drive, piece[piece.length - 1].time, piece, !known);
         }
+        recorder.tell(time);
         const rpm = setpointOf(drive.master);
         if (rpm !== 0) {
             drive.master.start(rpm);
         }
         this.pump();
-        return drive;
     }
 
     /** Removes everything that was received, and rejects the calls that wait. */
@@ -160,7 +190,6 @@ class Session {
         this.#gone?.(new Error(reason));
         this.#wasConnected = false;
         trace.clear();
-        chart.clear();
         nodes.clear();
     }
 
@@ -175,7 +204,8 @@ class Session {
         this.#changed = true;
     }
 
-    #receive(drive: Drive, time: number, frames: readonly BusFrame[]): void {
+    /** Takes frames; `records` is false for frames of an instant that was recorded before. */
+    #receive(drive: Drive, time: number, frames: readonly BusFrame[], records = true): void {
         if (this.drive !== drive) {
             return;
         }
@@ -186,9 +216,10 @@ class Session {
                 nodes.handleFrame(frame, frame.time);
             }
         }
-        const { connected, speed } = drive.master;
-        if (frames.length > 0 && connected && speed !== undefined) {
-            chart.append({ time: [time], speed: [speed], setpoint: [setpointOf(drive.master)] });
+        const { connected } = drive.master;
+        recorder.tell(time);
+        if (frames.length > 0 && records) {
+            recorder.append(time, drive);
         }
         if (this.#wasConnected && !connected) {
             // A drive that comes back must not start to turn.
@@ -213,9 +244,12 @@ class Session {
     }
 
     #draw(): void {
-        if (this.#changed && this.drive && this.link) {
-            this.#changed = false;
+        const now = performance.now();
+        if (this.#changed && this.drive && this.link && now >= this.#drawn + PERIOD) {
+            [this.#changed, this.#drawn] = [false, now];
             this.view = look(this.drive, this.link.now);
+            recorder.describe(this.view.measurementSignals, this.view.parameters, this.isVirtual);
+            commissioned.look(this.view, !this.isVirtual);
         }
         requestAnimationFrame(() => this.#draw());
     }

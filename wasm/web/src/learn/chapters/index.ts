@@ -1,15 +1,6 @@
 // The chapters in the order in which they are read.
 
 import type { Component } from "svelte";
-import BackEmf from "./BackEmf.svelte";
-import Demagnetisation from "./Demagnetisation.svelte";
-import Faults from "./Faults.svelte";
-import Frames from "./Frames.svelte";
-import Halls from "./Halls.svelte";
-import OpenLoop from "./OpenLoop.svelte";
-import SensorlessStart from "./SensorlessStart.svelte";
-import SixSteps from "./SixSteps.svelte";
-import SpeedLoop from "./SpeedLoop.svelte";
 
 export interface Chapter {
     /** Name of the chapter in the address. */
@@ -17,7 +8,8 @@ export interface Chapter {
     title: string;
     /** Task of the reader in the chapter. */
     about: string;
-    page: Component;
+    /** Loads the chapter. */
+    load: () => Promise<{ default: Component }>;
 }
 
 export const CHAPTERS: Chapter[] = [
@@ -25,54 +17,54 @@ export const CHAPTERS: Chapter[] = [
         path: "six-steps",
         title: "Six-step commutation",
         about: "Turn a rotor by hand, see the torque of each step, and let the drive commutate.",
-        page: SixSteps,
+        load: () => import("./SixSteps.svelte"),
     },
     {
         path: "back-emf",
         title: "Back-EMF and its zero crossings",
         about: "Spin the rotor, see the voltage that it induces, and find the zero crossings that the drive uses.",
-        page: BackEmf,
+        load: () => import("./BackEmf.svelte"),
     },
     {
         path: "open-loop",
         title: "Open loop, and why it stalls",
         about: "Shorten the ramp until the rotor no longer follows, and see that the drive does not detect it.",
-        page: OpenLoop,
+        load: () => import("./OpenLoop.svelte"),
     },
     {
         path: "sensorless-start",
         title: "Sensorless start, tick by tick",
         about: "Rotor lock, kick and hand-over: stop the time at any control tick.",
-        page: SensorlessStart,
+        load: () => import("./SensorlessStart.svelte"),
     },
     {
         path: "demagnetisation",
         title: "Demagnetisation and hidden crossings",
         about: "Increase current and inductance until the conducting diode hides the zero crossing.",
-        page: Demagnetisation,
+        load: () => import("./Demagnetisation.svelte"),
     },
     {
         path: "hall-sensors",
         title: "Hall sensors and misalignment",
         about: "Shift the sensors, watch the current rise, and let the drive calibrate itself.",
-        page: Halls,
+        load: () => import("./HallSensors.svelte"),
     },
     {
         path: "speed-loop",
         title: "Speed loop and current limit",
         about: "Change the gains and see the response to a load step at once.",
-        page: SpeedLoop,
+        load: () => import("./SpeedLoop.svelte"),
     },
     {
         path: "faults",
         title: "Faults and the state machine",
         about: "Provoke faults, follow the transitions between the states, and acknowledge.",
-        page: Faults,
+        load: () => import("./Faults.svelte"),
     },
     {
         path: "frames",
         title: "The CAN frames behind every click",
         about: "Command the drive over CAN and read each frame bit by bit.",
-        page: Frames,
+        load: () => import("./Frames.svelte"),
     },
 ];

@@ -1,7 +1,8 @@
 // Messages between the page and the worker with the bench.
 
-import type { BenchOptions, BusFrame, InjectionKind, Input as BoardInput, MotorName } from "narx";
+import type { BenchOptions, InjectionKind, Input as BoardInput, MotorName } from "narx";
 import type { Input } from "narx/script";
+import type { Frames } from "./frames";
 import type { Run } from "./run";
 
 /** Set-up of the bench: everything that determines a run, except its inputs. */
@@ -18,6 +19,10 @@ type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
 /** Message from the page. */
 export type Request =
+    /** The module of the bench; it comes first. */
+    | { kind: "begin"; narx: WebAssembly.Module }
+    /** The module of a bench with all functions, before the first set-up that has `full`. */
+    | { kind: "full"; module: WebAssembly.Module }
     /** Powers a drive up; the actions come before its first tick. */
     | { kind: "open"; setup: Setup; actions: Action[] }
     | { kind: "act"; actions: Action[] }
@@ -36,11 +41,11 @@ export type Request =
 export type Answer =
     | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionKind[] }
     | { kind: "opened"; setup: Setup; speedMin: number; speedMax: number; notes: string[]; tickRate: number }
-    | { kind: "ran"; now: Now; rows: Rows; frames: BusFrame[] }
+    | { kind: "ran"; now: Now; rows: Rows; frames: Frames }
     /** A run is being repeated; the time that it has reached. */
     | { kind: "repeating"; now: Now }
     /** Answer to "seek", and the end of a repeated run: rows and frames just before that instant. */
-    | { kind: "sought"; now: Now; rows: Rows; frames: BusFrame[] }
+    | { kind: "sought"; now: Now; rows: Rows; frames: Frames }
     | { kind: "reproduced"; digest: string; expected: string }
     | { kind: "run"; run: Run }
     | { kind: "recording"; bytes: Uint8Array }

@@ -1,6 +1,8 @@
 // The bench in a worker: it runs in step with the clock, and the page only draws.
 
 import init, { Bench, Motor, type BusFrame } from "narx";
+import initFull, * as full from "narx/full";
+import { pack } from "./frames";
 import { JournalledBench, type Kit } from "./journal";
 import type { Answer, MotorEntry, Request, Rows, Setup } from "./messages";
 import type { Run } from "./run";
@@ -18,6 +20,8 @@ const UNACKNOWLEDGED_MAX = 2;
 /** Length of the rows and frames that are sent before an instant to which a run returns, s: enough for the
  * rolling plots, and for a new master. */
 const BEFORE = 8;
+/** Time from power-up that is simulated at once, s: nobody waits for the boot of a virtual drive. */
+const BOOT = 0.55;
 /** Opcode of answers about parameters, in the low bits of an identifier. */
 const [OPCODE, PARAMETER] = [0x1ff, 110];
 
@@ -37,28 +41,24 @@ function answer(message: Answer, transfer: Transferable[] = []): void {
 function report(journal: JournalledBench, ticks: number): void {
     const { rows, frames } = journal.advance(ticks);
     unacknowledged += 1;
-    answer({ kind: "ran", now: journal.now(pace), rows, frames }, buffers(rows));
+    answer({ kind: "ran", now: journal.now(pace), rows, frames: pack(frames) }, buffers(rows));
 }
 
 function buffers(rows: Rows): Transferable[] {
     return Object.values(rows).map((column) => column.buffer);
 }
 
-/** Returns the module with such a bench; the larger one is loaded only when it is needed. */
-async function kit({ full = false }: Setup): Promise<Kit> {
-    if (!full) {
-        return { Bench, Motor };
-    }
-    const module = await import("narx/full");
-    await module.default();
-    return module;
+/** Returns the bindings with such a bench. */
+function kit(setup: Setup): Kit {
+    return setup.full ? full : { Bench, Motor };
 }
 
-async function open(request: Request & { kind: "open" }): Promise<void> {
-    const powered = new JournalledBench(request.setup, await kit(request.setup));
+function open(request: Request & { kind: "open" }): void {
+    const powered = new JournalledBench(request.setup, kit(request.setup));
     request.actions.forEach((action) => powered.act(action));
     pace = 1;
     begin(powered);
+    report(powered, Math.ceil((BOOT * powered.bench.tickRate) / PIECE) * PIECE);
 }
 
 function begin(opened: JournalledBench): void {
@@ -73,7 +73,7 @@ function begin(opened: JournalledBench): void {
 /** Repeats a run as fast as possible, and stops the time at its end; ends early if another drive is
  * opened. */
 async function reproduce(run: Run): Promise<void> {
-    const made = new JournalledBench(run.setup, await kit(run.setup), run);
+    const made = new JournalledBench(run.setup, kit(run.setup), run);
     pace = 0;
     begin(made);
     repeated = made;
@@ -100,7 +100,7 @@ function seek(tick: number, earlier: readonly BusFrame[] = []): void {
     const sought = opened();
     const { rows, frames } = sought.seek(tick, BEFORE * sought.bench.tickRate);
     [pace, due] = [0, 0];
-    answer({ kind: "sought", now: sought.now(pace), rows, frames: [...earlier, ...frames] }, buffers(rows));
+    answer({ kind: "sought", now: sought.now(pace), rows, frames: pack([...earlier, ...frames]) }, buffers(rows));
 }
 
 function turn(): void {
@@ -131,6 +131,10 @@ function handle(request: Request): void | Promise<void> {
         repeated = undefined;
     }
     switch (request.kind) {
+        case "begin":
+            return initialise(request.narx);
+        case "full":
+            return initFull({ module_or_path: request.module }).then(() => undefined);
         case "open":
             return open(request);
         case "act":
@@ -155,10 +159,7 @@ function handle(request: Request): void | Promise<void> {
     }
 }
 
-const ready = init();
-
 addEventListener("message", async ({ data }: MessageEvent<Request>) => {
-    await ready;
     try {
         await handle(data);
     } catch (error) {
@@ -174,7 +175,9 @@ function entry(name: MotorEntry["name"]): MotorEntry {
     return found;
 }
 
-await ready;
-answer({ kind: "ready", motors: Motor.presets().map(entry), inputs: Bench.inputs(), injections: Bench.injections() });
-before = performance.now();
-turn();
+async function initialise(narx: WebAssembly.Module): Promise<void> {
+    await init({ module_or_path: narx });
+    answer({ kind: "ready", motors: Motor.presets().map(entry), inputs: Bench.inputs(), injections: Bench.injections() });
+    before = performance.now();
+    turn();
+}

@@ -1,13 +1,12 @@
 // A CAN adapter that speaks slcan on a serial port (Web Serial).
 
-import type { BusFrame, Frame } from "narx";
+import type { Frame } from "narx";
 import { SlcanLines, closeSlcan, encodeSlcan, openSlcan } from "narx/core";
 import type { Link, Listener } from "./link";
+import { LiveLink, type Ends, type Wire } from "./live";
 
 /** Baud rate of the serial line; adapters on USB ignore it. */
 const BAUD = 115_200;
-/** Time between two ticks without a frame, ms. */
-const TICK = 5;
 
 /** Asks the user for a port and opens the bus on it, 500 kbit/s. With `listen` the adapter does not
  * acknowledge frames, either. */
@@ -18,60 +17,41 @@ export async function openAdapter(listener: Listener, listen: boolean): Promise<
     await port.open({ baudRate: BAUD }).catch((error: Error) => {
         throw new Error(`The adapter could not be opened: ${error.message} Is another program using it?`);
     });
-    if (!port.readable || !port.writable) {
+    const { readable, writable } = port;
+    if (!readable || !writable) {
         throw new Error("The adapter cannot be read or written.");
     }
-    return new Adapter(port, port.readable.getReader(), port.writable.getWriter(), listener, listen);
+    return new LiveLink("CAN adapter", listener, (ends) => new Serial(port, readable.getReader(), writable.getWriter(), ends, listen));
 }
 
-class Adapter implements Link {
-    readonly name = "CAN adapter";
-    readonly readOnly = false;
+class Serial implements Wire {
     readonly #port: SerialPort;
     readonly #reader: ReadableStreamDefaultReader<Uint8Array>;
     readonly #writer: WritableStreamDefaultWriter<Uint8Array>;
-    readonly #begin = performance.now();
+    readonly #ends: Ends;
     readonly #lines = new SlcanLines();
-    readonly #clock = new Worker(new URL("./clock.ts", import.meta.url), { type: "module" });
-    #listener: Listener | undefined;
-    #sent: BusFrame[] = [];
-    /** Bytes that are sent at the end of this turn: one transfer for all frames that are due at once. */
-    #due: number[] = [];
 
     constructor(
         port: SerialPort,
         reader: ReadableStreamDefaultReader<Uint8Array>,
         writer: WritableStreamDefaultWriter<Uint8Array>,
-        listener: Listener,
+        ends: Ends,
         listen: boolean,
     ) {
         this.#port = port;
         this.#reader = reader;
         this.#writer = writer;
-        this.#listener = listener;
-        this.#write(openSlcan(undefined, listen));
-        this.#clock.addEventListener("message", () => this.#tell([]));
-        this.#clock.postMessage(TICK);
+        this.#ends = ends;
+        this.#send(openSlcan(undefined, listen));
         void this.#read();
     }
 
-    get now(): number {
-        return (performance.now() - this.#begin) / 1000;
-    }
-
-    send(frame: Frame): void {
-        if (this.#due.length === 0) {
-            queueMicrotask(() => this.#flush());
-        }
-        this.#due.push(...encodeSlcan(frame));
-        this.#sent.push(bus(frame, this.now, true));
+    write(frames: readonly Frame[]): void {
+        this.#send(Uint8Array.from(frames.flatMap((frame) => [...encodeSlcan(frame)])));
     }
 
     close(): void {
-        this.#listener = undefined;
-        this.#clock.terminate();
-        this.#flush();
-        this.#write(closeSlcan());
+        this.#send(closeSlcan());
         void this.#release();
     }
 
@@ -82,21 +62,14 @@ class Adapter implements Link {
         await this.#port.close().catch(() => undefined);
     }
 
-    #flush(): void {
-        if (this.#due.length > 0) {
-            this.#write(Uint8Array.from(this.#due.splice(0)));
-        }
-    }
-
-    #write(bytes: Uint8Array): void {
+    #send(bytes: Uint8Array): void {
         this.#writer.write(bytes).catch(() => this.#lose());
     }
 
     async #read(): Promise<void> {
         try {
             for (let piece = await this.#reader.read(); !piece.done; piece = await this.#reader.read()) {
-                const time = this.now;
-                this.#tell(this.#lines.handleBytes(piece.value).map((frame) => bus(frame, time, false)));
+                this.#ends.handleFrames(this.#lines.handleBytes(piece.value));
             }
         } catch {
             // The browser's reason does not help the user.
@@ -105,19 +78,7 @@ class Adapter implements Link {
         this.#lose();
     }
 
-    #tell(received: readonly BusFrame[]): void {
-        this.#listener?.handle(this.now, [...this.#sent.splice(0), ...received]);
-    }
-
     #lose(): void {
-        const listener = this.#listener;
-        this.#listener = undefined;
-        listener?.handleLoss(
-            "The connection to the adapter was lost: was it unplugged? A drive that receives no set-points stops its motor within its CAN time-out (parameter 114). Plug in the adapter and connect again.",
-        );
+        this.#ends.handleLoss("The connection to the adapter was lost: was it unplugged?");
     }
-}
-
-function bus({ id, extended = true, remote = false, data }: Frame, time: number, sent: boolean): BusFrame {
-    return { id, extended, remote, data, time, sent };
 }

@@ -1,6 +1,7 @@
 // A bus log as a read-only link, played at its own speed or another.
 
 import type { BusFrame } from "narx";
+import type { Timed } from "../timed";
 import type { Link, Listener } from "./link";
 
 /** Time between two turns, ms. */
@@ -8,9 +9,17 @@ const PERIOD = 20;
 /** Length of the log that a new master receives before an earlier instant, s: that of the rolling plots. */
 const BEFORE = 8;
 
-export class Playback implements Link {
+const PACES = [
+    [0.1, "1/10"],
+    [1, "real time"],
+    [10, "10 times"],
+    [100, "100 times"],
+] as const;
+
+export class Playback implements Link, Timed {
     readonly name: string;
     readonly readOnly = true;
+    readonly paces = PACES;
     /** Times of the first and of the last frame, s. */
     readonly begin: number;
     readonly end: number;
@@ -37,6 +46,14 @@ export class Playback implements Link {
     }
 
     send(): void {}
+
+    play(playing: boolean): void {
+        this.playing = playing;
+    }
+
+    setPace(pace: number): void {
+        this.pace = pace;
+    }
 
     close(): void {
         clearInterval(this.#timer);

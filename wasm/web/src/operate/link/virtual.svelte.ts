@@ -1,9 +1,13 @@
 // The bench in its worker, as a link, with the functions that only a bench has.
 
 import type { Frame, InjectionKind, Input } from "narx";
-import type { Action, Answer, MotorEntry, Now, Request, Setup } from "../bench/messages";
+import { unpack } from "../bench/frames";
+import type { Action, Answer, MotorEntry, Now, Request, Rows, Setup } from "../bench/messages";
 import type { Run } from "../bench/run";
-import { Rolling } from "../rolling.svelte";
+import BenchWorker from "../bench/worker?worker&inline";
+import { module } from "../../modules";
+import { History } from "../../plot/history";
+import { Pulse } from "../../plot/pulse.svelte";
 import type { Link, Listener } from "./link";
 
 /** Motors, inputs and faults that the worker offers. */
@@ -22,15 +26,19 @@ export interface Reproduced {
 class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
-    now = $state.raw<Now>({ time: 0, ticks: 0, end: 0, pace: 1 });
+    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1 };
+    readonly #pulse = new Pulse();
     /** Simulated seconds in a second while time runs. */
     pace = $state(1);
     reproduced = $state.raw<Reproduced>();
     /** Reason why the last request was refused. */
     problem = $state<string>();
-    /** The true signals of the last seconds. */
-    readonly rows = new Rolling();
+    /** The true signals of the run. */
+    readonly rows = new History();
     #worker: Worker | undefined;
+    /** Settles once the worker has got its module. */
+    #begun: Promise<void> = Promise.resolve();
+    #hasFull = false;
     #listener: Listener | undefined;
     #queue: Action[] = [];
     /** True while the past is shown: a run is being repeated, or has returned to an instant. Its journal
@@ -39,6 +47,12 @@ class VirtualDrive {
     /** Tick to which the run returns, and the next one, which is used once that is done. */
     #sought: { tick: number; next?: number } | undefined;
     #waiting: ((answer: Answer) => boolean)[] = [];
+
+    /** Present time; its effects run a few times a second. */
+    get now(): Now {
+        this.#pulse.read();
+        return this.#now;
+    }
 
     /** Powers a virtual drive up, with actions before its first tick. Rejects with an Error for an invalid
      * set-up. */
@@ -102,24 +116,32 @@ class VirtualDrive {
         if (this.#worker) {
             return;
         }
-        this.#worker = new Worker(new URL("../bench/worker.ts", import.meta.url), { type: "module" });
+        const worker = (this.#worker = new BenchWorker());
         this.#worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => this.#handle(data));
         this.#worker.addEventListener("error", ({ message }) => {
             this.problem = `The simulation cannot run in this browser: ${message}`;
         });
+        this.#begun = module("narx").then((narx) => worker.postMessage({ kind: "begin", narx } satisfies Request));
+        this.#begun.catch(({ message }: Error) => (this.problem = message));
     }
 
     async #connect(request: Request & { kind: "open" | "reproduce" }, listener: Listener): Promise<Link> {
         // Frames of the previous bench are dropped.
         this.#listener = undefined;
+        this.start();
+        await this.#begun;
+        if ((request.kind === "open" ? request.setup : request.run.setup).full && !this.#hasFull) {
+            this.#ask({ kind: "full", module: await module("full") });
+            this.#hasFull = true;
+        }
         const { setup } = await this.#answer(request, "opened");
         this.#listener = listener;
-        const link = this;
+        const now = () => this.#now.time;
         return {
             name: `Virtual drive, ${setup.motor}`,
             readOnly: false,
             get now() {
-                return link.now.time;
+                return now();
             },
             send: (frame) => this.#send(frame),
             close: () => {
@@ -135,10 +157,21 @@ class VirtualDrive {
         if (next !== undefined && this.#repeats) {
             return this.seek(next);
         }
-        this.now = now;
-        this.rows.clear();
-        this.rows.append(rows);
-        this.#listener?.handleReturn(now.time, frames);
+        this.#tell(now);
+        // What is known of later instants stays until time runs from here.
+        if (this.rows.end < now.time) {
+            this.#append(rows);
+        }
+        this.#listener?.handleReturn(now.time, unpack(frames));
+    }
+
+    #tell(now: Now): void {
+        this.#now = now;
+        this.#pulse.change();
+    }
+
+    #append({ time, ...columns }: Rows): void {
+        this.rows.append(time, columns);
     }
 
     #send(frame: Frame): void {
@@ -186,14 +219,14 @@ class VirtualDrive {
                 this.rows.clear();
                 break;
             case "ran":
-                this.now = answer.now;
-                this.rows.append(answer.rows);
-                this.#listener?.handle(answer.now.time, answer.frames);
+                this.#tell(answer.now);
+                this.#append(answer.rows);
+                this.#listener?.handle(answer.now.time, unpack(answer.frames));
                 // In a microtask, so that it follows the frames that the page sends in reaction to the
                 // report.
                 return queueMicrotask(() => this.#worker?.postMessage({ kind: "received" } satisfies Request));
             case "repeating":
-                this.now = answer.now;
+                this.#tell(answer.now);
                 return;
             case "sought":
                 return this.#return(answer);

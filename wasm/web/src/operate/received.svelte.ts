@@ -1,5 +1,0 @@
-// Speed and set-point, as received on the bus.
-
-import { Rolling } from "./rolling.svelte";
-
-export const chart = new Rolling();
