@@ -110,45 +110,52 @@ fn market() -> Result<MotorConfig, String> {
 const MARKET_CONSTANT: f64 = 0.0251;
 const MARKET_CURRENT: f64 = 3.68;
 
-/// Holds a set-point through a step of the load, N m.
+/// Holds a set-point of the motor from the market through a step of the load, N m.
 fn hold_through_step(board: &Board, edges: bool, electrical: i32, torque: f64) -> Result<(), String> {
-    let motor = market()?;
-    let rpm = electrical / i32::from(motor.pole_pairs);
-    let commissioning = commission(board, (motor, Some(MARKET_CURRENT), MOST), edges, rpm)?;
-    let mut plant = PlantConfig::new(motor, MOST);
-    plant.board = Board { comparator_capture: edges, ..*board };
-    plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
-    let mut trial = Trial::new(&plant, &commissioning, "", false);
-    trial.start(rpm);
-    let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
-    trial.until(5.0, closed).ok_or("no closed loop")?;
-    trial.run_while(3.0, |_| true);
-    for torque in [0.0, torque] {
-        trial.bench.plant_mut().set_load(LoadConfig { constant: torque, ..LoadConfig::default() });
-        trial.run_while(1.0, |_| true);
-        judge(&mut trial, rpm)?;
-    }
-    Ok(())
+    let supplied = (market()?, Some(MARKET_CURRENT), MOST);
+    let mut trial = settle(board, supplied, edges, electrical, LoadConfig::default())?;
+    judge(&mut trial, electrical)?;
+    trial.bench.plant_mut().set_load(LoadConfig { constant: torque, ..LoadConfig::default() });
+    trial.run_while(1.0, |_| true);
+    judge(&mut trial, electrical)
 }
 
+/// Holds a set-point with a fan on the shaft.
 fn hold(board: &Board, motor: MotorConfig, edges: bool, electrical: i32) -> Result<(), String> {
+    let full = 50_000.0 / f64::from(motor.pole_pairs) / 60.0 * TAU;
+    let load = LoadConfig { quadratic: FAN / (full * full), ..LoadConfig::default() };
+    let mut trial = settle(board, (motor, None, SUPPLY), edges, electrical, load)?;
+    judge(&mut trial, electrical)
+}
+
+/// A motor with its rated current (A) and supply (V).
+type Supplied = (MotorConfig, Option<f64>, f64);
+
+/// Starts a motor and waits until it has its speed.
+fn settle(
+    board: &Board,
+    (motor, rated_current, supply): Supplied,
+    edges: bool,
+    electrical: i32,
+    load: LoadConfig,
+) -> Result<Trial, String> {
     let rpm = electrical / i32::from(motor.pole_pairs);
-    let commissioning = commission(board, (motor, None, SUPPLY), edges, rpm)?;
-    let mut plant = PlantConfig::new(motor, SUPPLY);
+    let commissioning = commission(board, (motor, rated_current, supply), edges, rpm)?;
+    let mut plant = PlantConfig::new(motor, supply);
     plant.board = Board { comparator_capture: edges, ..*board };
     plant.comparator = edges.then_some(ComparatorConfig { delay: DELAY, hysteresis: 0.1 });
-    let full = 50_000.0 / f64::from(motor.pole_pairs) / 60.0 * TAU;
-    plant.load.quadratic = FAN / (full * full);
+    plant.load = load;
     let mut trial = Trial::new(&plant, &commissioning, "", false);
     trial.start(rpm);
     let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
     trial.until(5.0, closed).ok_or("no closed loop")?;
     trial.run_while(3.0, |_| true);
-    judge(&mut trial, rpm)
+    Ok(trial)
 }
 
 /// The speed has to be within 0.5 % of the set-point, in closed loop.
-fn judge(trial: &mut Trial, rpm: i32) -> Result<(), String> {
+fn judge(trial: &mut Trial, electrical: i32) -> Result<(), String> {
+    let rpm = electrical / i32::from(trial.bench.plant().config().motor.pole_pairs);
     let mean = trial.mean_rpm(0.5);
     if trial.state() != State::SensorlessClosedLoop {
         let status = trial.bench.status();
@@ -166,7 +173,7 @@ fn judge(trial: &mut Trial, rpm: i32) -> Result<(), String> {
 /// samples a sector.
 fn commission(
     board: &Board,
-    (motor, rated_current, supply): (MotorConfig, Option<f64>, f64),
+    (motor, rated_current, supply): Supplied,
     edges: bool,
     rpm: i32,
 ) -> Result<Commissioning, String> {
