@@ -23,7 +23,8 @@ export async function serveBridge(port, token = "secret") {
         found.on("message", (bytes) => {
             written.push(bytes);
             const word = bytes.readUInt32LE(0);
-            socket.write(encodeSlcan({ id: word & 0x1fff_ffff, extended: (word & EXTENDED) !== 0, remote: (word & REMOTE) !== 0, data: new Uint8Array(bytes.subarray(5, 5 + bytes[4])) }));
+            const remote = (word & REMOTE) !== 0;
+            socket.write(encodeSlcan({ id: word & 0x1fff_ffff, extended: (word & EXTENDED) !== 0, remote, data: remote ? new Uint8Array(bytes[4]) : new Uint8Array(bytes.subarray(5)) }));
         });
         found.on("close", () => socket.end());
     });
@@ -43,10 +44,10 @@ export async function serveBridge(port, token = "secret") {
 }
 
 function message({ id, extended, remote, data }) {
-    const bytes = Buffer.alloc(5 + data.length);
+    const bytes = Buffer.alloc(5 + (remote ? 0 : data.length));
     bytes.writeUInt32LE((id | (extended ? EXTENDED : 0) | (remote ? REMOTE : 0)) >>> 0, 0);
     bytes[4] = data.length;
-    bytes.set(data, 5);
+    bytes.set(remote ? [] : data, 5);
     return bytes;
 }
 

@@ -1,6 +1,7 @@
 // A bridge from a WebSocket to a CAN bus, such as `narx serve`. A binary message is a frame: identifier as a
 // little-endian word of 32 bits, whose bit 31 tells an extended frame and bit 30 a remote one; number of data
-// bytes; data. A text message is JSON with the reason of a refusal: {"error": "..."}.
+// bytes; data, of which a remote frame has none. A text message is JSON with the reason of a refusal:
+// {"error": "..."}.
 
 import type { Frame } from "narx";
 import type { Link, Listener } from "./link";
@@ -69,10 +70,10 @@ class Bridge implements Wire {
 }
 
 function encode({ id, extended = true, remote = false, data }: Frame): Uint8Array<ArrayBuffer> {
-    const bytes = new Uint8Array(HEAD + data.length);
+    const bytes = new Uint8Array(HEAD + (remote ? 0 : data.length));
     new DataView(bytes.buffer).setUint32(0, (id | (extended ? EXTENDED : 0) | (remote ? REMOTE : 0)) >>> 0, true);
     bytes[4] = data.length;
-    bytes.set(data, HEAD);
+    bytes.set(remote ? [] : data, HEAD);
     return bytes;
 }
 
@@ -81,8 +82,7 @@ function decode(bytes: DataView<ArrayBuffer>): Frame {
     const length = bytes.byteLength >= HEAD ? bytes.getUint8(4) : NaN;
     const word = bytes.byteLength >= HEAD ? bytes.getUint32(0, true) : 0;
     const remote = (word & REMOTE) !== 0;
-    // A remote frame has a length, but may come without data.
-    if (!(length <= 8) || (bytes.byteLength !== HEAD + length && !(remote && bytes.byteLength === HEAD))) {
+    if (!(length <= 8) || bytes.byteLength !== HEAD + (remote ? 0 : length)) {
         throw new Error(`a message of ${bytes.byteLength} bytes is no frame: it must have 5 bytes and as many data as its fifth tells, 0 to 8`);
     }
     const data = remote ? new Uint8Array(length) : new Uint8Array(bytes.buffer, HEAD, length);
