@@ -179,13 +179,19 @@ def test_the_example_of_the_page_spins_the_motor(drive, capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     # Twice: the second time the drive is in Fault, for its master had fallen silent.
     for door in ["tcp", "pty"]:
-        exec(example.replace("socket://127.0.0.1:2000", drive.channels[door]), {})
-        lines = capsys.readouterr().out.splitlines()
-        first, last = (int(line.removesuffix(" rpm")) for line in (lines[0], lines[-1]))
-        assert len(lines) > 40 and abs(last - 2000) <= 20
-        # It has come to rest, or on a slow machine nearly so.
-        assert first < 100
-        time.sleep(1.0)
+        example_here = example.replace("socket://127.0.0.1:2000", drive.channels[door])
+        # On a busy machine the example may fall silent for longer than the drive waits: then once more.
+        for _ in range(4):
+            exec(example_here, {})
+            lines = capsys.readouterr().out.splitlines()
+            first, last = (int(line.removesuffix(" rpm")) for line in (lines[0], lines[-1]))
+            # It has come to rest, or on a slow machine nearly so.
+            assert len(lines) > 40 and first < 100
+            time.sleep(1.0)
+            if abs(last - 2000) <= 20:
+                break
+        else:
+            raise AssertionError(f"{door}: {last} rpm")
 
 
 def speeds(client):
