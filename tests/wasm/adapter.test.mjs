@@ -57,8 +57,7 @@ test("a drive behind an adapter starts, turns and stops, and the adapter is open
     const { page, own, adapter } = await connected();
     assert.match(adapter.written, /C\r.*S6\r.*O\r/s);
     await go(page, "main");
-    await start(page, 1800);
-    await reaches(page, 1800, 40);
+    await start(page, 1800, 40);
     await go(page, "connection");
     await page.locator("#disconnect").click();
     await page.locator(".bar").getByText("Not connected").waitFor();

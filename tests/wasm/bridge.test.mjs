@@ -5,7 +5,7 @@ import { after, afterEach, before, test } from "node:test";
 import { serveDrive } from "./adapter.mjs";
 import { plugInUsb, serveBridge } from "./bridge.mjs";
 import { start as launch } from "./browser.mjs";
-import { go, inState, reaches, standsBy, start } from "./operating.mjs";
+import { go, inState, standsBy, start } from "./operating.mjs";
 
 let browser;
 let drive;
@@ -43,8 +43,7 @@ test("a drive behind a bridge starts, turns and stops, a frame a message", async
     await connect(page);
     await page.locator(".bar .link").getByText(/^Bridge 127\.0\.0\.1:\d+$/).waitFor();
     await standsBy(page);
-    await start(page, 1800);
-    await reaches(page, 1800, 40);
+    await start(page, 1800, 40);
     await go(page, "connection");
     await page.locator("#disconnect").click();
     await page.locator(".bar").getByText("Not connected").waitFor();
@@ -84,8 +83,7 @@ test("a drive behind a gs_usb adapter turns, at 500 kbit/s, and an unplugged one
     const [, , propagation, segment1, segment2, , prescaler] = told.find(([request]) => request === 1);
     assert.equal(48_000_000 / prescaler / (1 + propagation + segment1 + segment2), 500_000);
     assert.deepEqual(told.at(-1), [2, 0, 1, 0]);
-    await start(page, 1500);
-    await reaches(page, 1500, 40);
+    await start(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
     await page.evaluate(() => globalThis.unplugUsb());

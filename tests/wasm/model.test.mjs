@@ -77,7 +77,7 @@ test("the currents that the chapter on hall sensors quotes", () => {
         bench.run(1.2);
         return Math.max(...bench.run(0.05).column("peak_current"));
     };
-    const text = readFileSync(new URL("../../wasm/web/src/learn/chapters/Halls.svelte", import.meta.url), "utf8");
+    const text = readFileSync(new URL("../../wasm/web/src/learn/chapters/HallSensors.svelte", import.meta.url), "utf8");
     const quoted = /At 30° late the peak is ([\d.]+) A, at 30° early ([\d.]+) A, aligned ([\d.]+) A/.exec(text.replaceAll(/\s+/g, " ")).slice(1).map(Number);
     assert.deepEqual([30, -30, 0].map(peak).map((current) => Number(current.toFixed(1))), quoted);
 });

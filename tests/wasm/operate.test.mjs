@@ -26,8 +26,7 @@ test("motors spin up to their set-point and stop", async () => {
         await inState(page, "Standby");
         await page.locator("#control-mode").and(page.locator(":enabled")).waitFor();
         const rpm = Number(await page.locator("#setpoint").inputValue());
-        await page.locator("#start").click();
-        await reaches(page, rpm, rpm * 0.02);
+        await start(page, rpm, rpm * 0.02);
         assert.equal(await page.locator("li.on").first().textContent().then((text) => text.trim()), "5 Closed-loop Hall Effect Sensors");
         await page.locator("#stop").click();
         await inState(page, "Standby");
@@ -358,8 +357,7 @@ test("frames are decoded, filtered, held and saved as a log", async () => {
 
 test("time goes back to an instant of the run, shows it as it was, and goes on from there", async () => {
     const { page, complaints } = await operate(browser, "main");
-    await start(page, 1500);
-    await reaches(page, 1500, 40);
+    await start(page, 1500, 40);
     const bench = page.locator("#time");
     await go(page, "virtual");
     const turning = Number(await bench.textContent());

@@ -37,10 +37,10 @@ export function reaches(page, rpm, tolerance) {
 }
 
 /**
- * Starts from the main panel, and waits for closed loop with hall sensors. A page that a busy machine lets wait for a quarter of a second is a silent master,
- * and the drive's time-out ends its start: then it is tried again. Any other fault is one.
+ * Starts from the main panel, and waits for closed loop with hall sensors and a speed within `tolerance` of `rpm`. A page that a busy machine lets
+ * wait for a quarter of a second is a silent master, and the drive's time-out stops the motor: then the start is tried again. Any other fault is one.
  */
-export async function start(page, rpm) {
+export async function start(page, rpm, tolerance = Infinity) {
     const [runs, fault] = ["Closed-loop Hall Effect Sensors", "Fault"].map((name) => page.locator(".bar .state").getByText(name, { exact: true }));
     const refusal = page.getByRole("form", { name: "Command" }).getByRole("alert");
     for (let tries = 0; tries < 5; tries++) {
@@ -49,16 +49,19 @@ export async function start(page, rpm) {
         await page.locator("#start").click();
         await runs.or(fault).or(refusal).first().waitFor();
         if (await runs.isVisible()) {
-            return;
+            await Promise.race([reaches(page, rpm, tolerance), runs.waitFor({ state: "hidden" })]);
+            if (await runs.isVisible()) {
+                return;
+            }
         }
-        if (!(await fault.isVisible())) {
+        if (await fault.isVisible()) {
+            await page.locator(".bar .faults").getByText(/device timeout|time-out \(parameter 114\)/).waitFor();
+        } else if (await refusal.first().isVisible()) {
             const reason = await refusal.first().textContent();
             // The page that has waited for half a second takes the drive for lost, and requests Standby.
             if (!/ended by another command/.test(reason)) {
                 throw new Error(`the start: ${reason}`);
             }
-        } else {
-            await page.locator(".bar .faults").getByText(/device timeout|time-out \(parameter 114\)/).waitFor();
         }
         await standsBy(page);
     }

@@ -6,7 +6,7 @@ import { basename } from "node:path";
 import { after, afterEach, before, test } from "node:test";
 import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { start as launch } from "./browser.mjs";
-import { drop, go, inState, isDrawn, operate, pause, reaches, saved, start } from "./operating.mjs";
+import { drop, go, inState, isDrawn, operate, pause, saved, start } from "./operating.mjs";
 import { VECTORS } from "./vectors.mjs";
 
 let browser;
@@ -65,8 +65,7 @@ test("a link keeps the PWM frequency, and one without it means 10 kHz", async ()
     await page.locator("#pwm").getByText("PWM frequency 20 kHz: a control tick every 50 µs").waitFor();
     await go(page, "main");
     await inState(page, "Standby");
-    await start(page, 1800);
-    await reaches(page, 1800, 36);
+    await start(page, 1800, 36);
     await go(page, "virtual");
     await pause(page);
     const time = async (page) => Number(await page.locator("#time").textContent());

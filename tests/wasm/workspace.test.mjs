@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
 import { start as launch } from "./browser.mjs";
-import { go, inState, operate, pause, reaches, saved, start } from "./operating.mjs";
+import { go, inState, operate, pause, saved, start } from "./operating.mjs";
 
 let browser;
 before(async () => {
@@ -22,8 +22,7 @@ test("the strip commands the drive from any panel, and names the limiter in forc
         await page.locator(`[data-parameter="${number}"]`).getByText("not stored").waitFor();
     }
     await go(page, "trace");
-    await start(page, 2000);
-    await reaches(page, 2000, 40);
+    await start(page, 2000, 40);
     const limiter = page.locator(".bar .limiter");
     await limiter.getByText("set by speed loop").waitFor();
     assert.equal(await limiter.getAttribute("title"), "Active limiter, parameter 280");
@@ -52,8 +51,7 @@ test("any signals are plotted, held, zoomed, measured and saved, and the choice 
     const { page, complaints } = await operate(browser, "main");
     await page.waitForTimeout(100);
     const standing = await page.locator("#time").textContent();
-    await start(page, 1500);
-    await reaches(page, 1500, 40);
+    await start(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
     const plots = page.locator("#plot");
@@ -130,8 +128,7 @@ test("states, faults and set-points are marked in the plots", async () => {
 
 test("one timeline goes back on every panel, and the plots with it", async () => {
     const { page, complaints } = await operate(browser, "main");
-    await start(page, 1500);
-    await reaches(page, 1500, 40);
+    await start(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
     await pause(page);
