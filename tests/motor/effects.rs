@@ -270,8 +270,11 @@ fn gains_of_the_speed_loops_are_their_parameters() {
     ] {
         // In V/rpm, or V s/rad.
         let high = if proportional == number::SPEED_KP_HES { 2_000_000 } else { 20_000 };
-        // Almost without the integral gain, which would answer most of the step.
-        let [weak, strong] = [0, high].map(|gain| dip(build, &[(proportional, gain), (integral, 1_000)]));
+        // Almost without the integral gain, which would answer most of the step, and which alone would not
+        // start a rotor.
+        let start = (number::INITIAL_DUTY, 300);
+        let [weak, strong] =
+            [0, high].map(|gain| dip(build, &[start, (proportional, gain), (integral, 1_000)]));
         assert!(weak > 1.2 * strong, "{proportional}: {weak} and {strong} rpm");
         let (weak, strong) = (dip(build, &[(integral, 1_000)]), dip(build, &[]));
         assert!(weak > 1.2 * strong, "{integral}: {weak} and {strong} rpm");

@@ -322,8 +322,8 @@ fn duty_has_a_maximum() {
     assert!((0.39..=0.4001).contains(&most), "{most}");
 }
 
-/// A pulse is at least as long as parameter 272, or it is left out: at 60 V this motor needs 4 %, and the
-/// least is 6 %.
+/// A pulse is at least as long as parameter 272, or it is left out, and the mean is what the motor needs: at
+/// 60 V that is 4 %, and the least pulse is 6 %.
 #[test]
 fn a_pulse_has_a_least_length() {
     let config = PlantConfig { angle_deg: 77.0, ..PlantConfig::new(MOTOR, 60.0) };
@@ -332,14 +332,21 @@ fn a_pulse_has_a_least_length() {
     closed.boot();
     closed.ask(RunRequest::Drive);
     closed.run(10_000);
-    let shorter = (0..5_000)
-        .filter(|_| {
+    let shares: Vec<f64> = (0..5_000)
+        .map(|_| {
             closed.tick();
-            (0.001..0.0595).contains(&share(&closed.output))
+            share(&closed.output)
         })
-        .count();
-    // The slew limit passes through shorter ones on its way.
-    assert!(shorter < 1_000, "{shorter} of 5000 ticks");
+        .collect();
+    let pulses = shares.iter().filter(|share| (0.0595..0.0605).contains(*share)).count();
+    let left_out = shares.iter().filter(|share| **share == 0.0).count();
+    assert_eq!(pulses + left_out, shares.len());
+    assert!(pulses > 2_000 && left_out > 1_000, "{pulses} pulses, {left_out} left out");
+    let (mean, status) = (shares.iter().sum::<f64>() / 5_000.0, closed.status);
+    let told = f64::from(status.duty.to_bits()) / 32_768.0;
+    assert!((mean - told).abs() < 0.003, "{mean} given, {told} told");
+    let rpm = closed.plant.observe().speed.to_degrees() / 6.0;
+    assert!((rpm / 600.0 - 1.0).abs() < 0.02, "{rpm} rpm");
 }
 
 /// The voltage that dead time takes from the pulse is added: the lock's level is its share of the nominal

@@ -104,7 +104,7 @@ pub(super) const OWN: [Row; 53] = [
         .in_unit("ns", 0)
         .range(0, 20000)
         .factory(2000)
-        .about("Shortest pulse that still gives a valid sample."),
+        .about("Shortest pulse that still gives a valid sample. Smaller duties leave pulses out."),
     Row::new(number::TIMING_ADVANCE, "Timing advance", Control, U16)
         .in_unit("deg", -2)
         .range(0, 3000)

@@ -3,4 +3,5 @@
 
 pub mod commutation;
 pub mod commutator;
+pub mod pulses;
 pub mod pwm;

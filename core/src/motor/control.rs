@@ -35,7 +35,7 @@ pub enum Demand {
 /// Duty and freewheeling for the commutation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
-    /// Duty from the next period.
+    /// Duty from the next period, in the mean over the periods where it is below the shortest pulse.
     pub duty: Duty,
     /// Freewheeling from the next period.
     pub rectification: Rectification,
@@ -76,6 +76,10 @@ const MOTORING: i32 = (1 << 16) / 20;
 /// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical
 /// rev/s.
 const WHOLE: i32 = 33 << 16;
+
+/// Below [`WHOLE`] the loop takes 30 turns in a revolution. In each the set-point falls by 1/512, which is
+/// 6 % a revolution: its 16 extra bits, less 9.
+const FALL: u32 = 16 - 9;
 
 /// A current limit may take the duty back this many times faster than it rises.
 const RETREAT: u16 = 8;
@@ -161,10 +165,10 @@ impl Control {
             self.catching -= 1;
         }
         if self.coasting.is_some() {
-            self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
+            self.speed_error = self.advance_setpoint(target, speed, mode.sparse).saturating_sub(speed);
         } else if !mode.sparse || self.takes_turn(speed) {
             let ceiling = share(measurement.bus_voltage(), mode.duty_max);
-            self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
+            self.speed_error = self.advance_setpoint(target, speed, mode.sparse).saturating_sub(speed);
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
         }
         self.renew_steady(c, bus_current);
@@ -264,9 +268,14 @@ impl Control {
     }
 
     /// The ramp waits while something else than the speed loop bounds a motor that lags behind: it must not
-    /// run away from a speed that cannot follow.
-    fn advance_setpoint(&mut self, (target, rate): (i32, i64), speed: i32) -> i32 {
+    /// run away from a speed that cannot follow. Where crossings are rare (`sparse`) it falls no faster than
+    /// they can show, unless the motor is to stop: a rotor that is braked within a revolution stands before
+    /// the loop knows.
+    fn advance_setpoint(&mut self, (target, rate): (i32, i64), speed: i32, sparse: bool) -> i32 {
         let setpoint = self.setpoint.value();
+        let falls = 0 < target && target < setpoint;
+        let rate =
+            if sparse && falls && setpoint < WHOLE { rate.min(i64::from(setpoint) << FALL) } else { rate };
         let lagging = target > setpoint && speed < setpoint;
         if lagging && !matches!(self.output.limiter, Limiter::Speed | Limiter::Off) {
             return setpoint;
@@ -306,7 +315,7 @@ impl Control {
     /// Duty that the dead time takes from the terminals: with synchronous rectification the commanded duty
     /// must be this much larger. In diode mode only one switch works, and nothing is lost. The present
     /// rectification is that of the tick before: a change of it is compensated one tick late.
-    const fn lost_duty(&self, c: &ControlCoefficients) -> u16 {
+    pub const fn lost_duty(&self, c: &ControlCoefficients) -> u16 {
         if matches!(self.output.rectification, Rectification::Synchronous) { c.dead_time } else { 0 }
     }
 
@@ -320,8 +329,7 @@ impl Control {
     ) {
         let before = self.output.duty.to_bits();
         let lost = if duty.to_bits() > 0 { self.lost_duty(c) } else { 0 };
-        let wanted = shortest(c, duty.to_bits().saturating_add(lost));
-        let (mut next, mut limiter) = (wanted, limiter);
+        let (mut next, mut limiter) = (duty.to_bits().saturating_add(lost), limiter);
         if next > duty_max {
             (next, limiter) = (duty_max, Limiter::Duty);
         }
@@ -363,13 +371,4 @@ fn per_duty(current: i32, duty: u16) -> i32 {
     let duty = i32::from(duty.max(1 << 10));
     let current = current.clamp(-(1 << 19), 1 << 19);
     ((current << 11) / duty) << 4
-}
-
-/// A pulse shorter than the shortest one becomes the shortest or none, whichever is nearer.
-fn shortest(c: &ControlCoefficients, duty: u16) -> u16 {
-    match duty {
-        long if long >= c.duty_min => long,
-        short if short >= c.duty_min / 2 && short > 0 => c.duty_min,
-        _ => 0,
-    }
 }

@@ -31,6 +31,7 @@ use super::clock::Instant;
 use super::coefficients::Coefficients;
 use super::commutate::commutation::{Direction, Step};
 use super::commutate::commutator::Commutator;
+use super::commutate::pulses::Pulses;
 use super::commutate::pwm::{Commutations, PwmCommand};
 use super::control::{Control, Demand};
 use super::guard::open_phase::OpenPhase;
@@ -85,6 +86,7 @@ pub struct Drive {
     machine: Machine,
     control: Control,
     commutator: Commutator,
+    pulses: Pulses,
     lock: Ramp,
     calibrator: HallCalibrator,
     calibration: HallCalibration,
@@ -121,6 +123,7 @@ impl Drive {
             machine: Machine::default(),
             control: Control::default(),
             commutator: Commutator::default(),
+            pulses: Pulses::default(),
             lock: Ramp::default(),
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
@@ -397,7 +400,7 @@ impl Drive {
         let measured = self.measurement.measured(current);
         self.control.decide(&c.control, mode, demand, speed, &measured, &self.measurement);
         let output = self.control.output();
-        self.command(output.duty, output.rectification);
+        self.command(output);
         self.rotor.note(&self.applied);
         let (duties, bus) = (self.duties_sampled_alike(), self.measurement.bus_voltage());
         let c = &self.coefficients;

@@ -5,11 +5,11 @@ use postcard::ser_flavors::Flavor;
 
 /// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event), which recordings contain: rises
 /// with every field of theirs, or of a type within them, that is added, removed, moved or changes its type.
-pub const LAYOUT_VERSION: u16 = 11;
+pub const LAYOUT_VERSION: u16 = 12;
 
 /// Version of the outputs that the drive gives for its inputs: rises with every change that moves the digest
 /// of a drive's recording (`tests/vectors/*.narxrec`).
-pub const BEHAVIOUR_VERSION: u16 = 11;
+pub const BEHAVIOUR_VERSION: u16 = 12;
 
 impl Drive {
     /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this

@@ -3,8 +3,8 @@
 use super::Drive;
 use crate::motor::coefficients::Coefficients;
 use crate::motor::commutate::commutation::Step;
-use crate::motor::commutate::pwm::{Commutations, Rectification};
-use crate::motor::control::Demand;
+use crate::motor::commutate::pwm::Commutations;
+use crate::motor::control::{Demand, Output};
 use crate::motor::machine::event::HallCalibration;
 use crate::motor::machine::state::State;
 use crate::motor::modes::HALL;
@@ -156,26 +156,28 @@ impl Drive {
     /// brake itself. The step acts in this period and the duty in the next, so the bridge goes off when the
     /// duty that is in force is 0, too.
     #[inline]
-    pub(super) fn command(&mut self, duty: Duty, rectification: Rectification) {
+    pub(super) fn command(&mut self, Output { duty, rectification, .. }: Output) {
         let Pattern { demand, short, .. } = self.pattern;
         let off = matches!(demand, Demand::Off);
-        let duty = if off { Duty::ZERO } else { duty };
         if duty.to_bits() == 0 && (off || (self.applied.duty.to_bits() == 0 && !short)) {
             (self.applied.step, self.applied.commutations) = (Step::Coast, Commutations::NONE);
         }
-        (self.applied.sample_at, self.applied.sample_mode) = self.sampling(duty.to_bits());
-        (self.applied.duty, self.applied.rectification) = (duty, rectification);
+        let c = &self.coefficients.control;
+        let pulse = self.pulses.next(duty.to_bits(), c.duty_min, self.control.lost_duty(c));
+        (self.applied.sample_at, self.applied.sample_mode) = self.sampling(duty.to_bits(), pulse);
+        (self.applied.duty, self.applied.rectification) = (pulse, rectification);
     }
 
-    /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one
-    /// after it has ended; down to an eighth below the limit the mode stays.
+    /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle: from an
+    /// eighth above that limit on, and down to it. Below, where some periods have no pulse, the off-time is
+    /// sampled.
     #[inline]
-    fn sampling(&self, duty: u16) -> (u16, SampleMode) {
+    fn sampling(&self, duty: u16, pulse: Duty) -> (u16, SampleMode) {
         let (begins, lasts) = self.on_time;
         if duty >= begins || (duty >= lasts && self.applied.sample_mode == SampleMode::OnTime) {
             (0, SampleMode::OnTime)
         } else {
-            (self.after_pulse(duty), SampleMode::OffTime)
+            (self.after_pulse(pulse.to_bits()), SampleMode::OffTime)
         }
     }
 
@@ -194,7 +196,7 @@ pub(super) fn sampling_limits(source: Source, c: &Coefficients) -> (u16, u16) {
         return (ON_ABOVE, OFF_BELOW);
     }
     let shortest = c.control.duty_min.max(ON_TIME_LEAST);
-    (shortest, shortest - shortest / 8)
+    (shortest + shortest / 8, shortest)
 }
 
 /// Shortest pulse that is sampled in its middle if parameter 272 allows less: 1 us at 10 kHz, raw U1F15.

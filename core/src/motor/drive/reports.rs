@@ -126,7 +126,7 @@ impl Drive {
             bus_current: Amps::from_bits(current),
             power: Watts::from_bits(crate::units::saturate64(power)),
             phase_voltage: c.measurement.phase_voltage.convert_all(&self.reports.terminals),
-            duty: self.applied.duty,
+            duty: self.control.output().duty,
             limiter: self.limiter(),
             hall_invalid: hall.invalid,
             hall_jumps: hall.jumps,

@@ -94,7 +94,7 @@ impl Drive {
     #[inline]
     pub(super) fn angle(&self) -> u32 {
         if let Some(lock) = self.applied.step.lock_angle()
-            && self.applied.duty != Duty::ZERO
+            && self.control.output().duty != Duty::ZERO
         {
             return lock;
         }

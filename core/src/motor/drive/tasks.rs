@@ -139,7 +139,7 @@ impl Drive {
             return;
         }
         let c = &self.coefficients;
-        let driven = self.applied.duty != Duty::ZERO;
+        let driven = self.control.output().duty != Duty::ZERO;
         let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
         let current = self.control.phase_current();
         let speed = self.tasks.speed;

@@ -79,7 +79,7 @@ pub struct Status {
     pub power: Watts,
     /// Terminal voltages.
     pub phase_voltage: [Volts; 3],
-    /// Applied duty.
+    /// Duty: in the mean over the periods where pulses are left out.
     pub duty: Duty,
     /// The limit that bounds the duty.
     pub limiter: Limiter,
