@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, allow_hyphen_values = true)]
     pub supply: Option<String>,
     /// PWM frequency, Hz; every period has one control tick
-    #[arg(long, allow_hyphen_values = true, default_value = "10000")]
+    #[arg(long, allow_hyphen_values = true, default_value = "20000")]
     pub pwm_rate: String,
     /// Load torque on the shaft, N m
     #[arg(long, allow_hyphen_values = true, default_value = "0")]

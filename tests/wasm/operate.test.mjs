@@ -188,7 +188,7 @@ test("what is broken is named, and works again once it is mended and acknowledge
     assert.match(await page.locator(".bar .faults").textContent(), /^Bus voltage above .* Remove the cause, then acknowledge the fault\./s);
     await page.locator("#mend").click();
     await go(page, "main");
-    assert.ok((await page.locator("li.alarm.on").allTextContents()).some((text) => text.includes("over voltage")));
+    await page.locator("li.alarm.on").getByText(/over voltage/).first().waitFor();
     // The drive takes an acknowledgement half a second after the fault, once the cause is gone.
     await page.waitForTimeout(700);
     await page.locator("#stop").click();

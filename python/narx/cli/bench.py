@@ -28,6 +28,7 @@ def bench(
     mode: Annotated[str, MODE] = "sensorless",
     supply: Annotated[float | None, typer.Option(help="Supply voltage, V; else the motor's nominal one.")] = None,
     load: Annotated[float, typer.Option(help="Load torque on the shaft, N m.")] = 0.0,
+    pwm_rate: Annotated[int, typer.Option(help="PWM frequency, Hz, 8000 to 50 000.")] = 20_000,
     seed: Annotated[int, typer.Option(help="Seed of all noise.")] = 1,
     tx_drivers: Annotated[
         str | None,
@@ -67,6 +68,7 @@ def bench(
             narx.Load(constant=load),
             mode,
             seed=seed,
+            pwm_rate=pwm_rate,
             tx_drivers=tx_drivers,
             speed=speed,
             seconds=seconds,
@@ -75,7 +77,7 @@ def bench(
         if as_json:
             print(json.dumps({**doors, "notes": served.notes}), flush=True)
         else:
-            lines = [f"{motor}: {mode}, {volts:g} V supply, {load:g} N m load", *(f"  {note}" for note in served.notes)]
+            lines = [f"{motor}: {mode}, {volts:g} V supply, {load:g} N m load, {pwm_rate / 1000:g} kHz PWM", *(f"  {note}" for note in served.notes)]
             lines += [f"{door}  {served.call(channel)}" for door, channel in doors.items()]
             # `print` does not wrap lines, so that a program can search the output line by line.
             print(*lines, sep="\n", flush=True)

@@ -280,7 +280,7 @@ mod tests {
             let mut next = frames.next();
             let mut last = f64::NAN;
             for (row, found) in column.iter().enumerate() {
-                let end = (row as u64 + 1) * 100;
+                let end = (row as u64 + 1) * 50;
                 while let Some((_, position)) = next.filter(|(time, _)| *time <= end) {
                     last = position;
                     next = frames.next();

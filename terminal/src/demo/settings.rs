@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn the_pwm_rate_is_in_the_headline() {
         for (words, expected) in [
-            (vec!["--rpm", "2000"], "hall closed loop, 2000 rpm, 18 V supply, 0 N m load, 10 kHz PWM"),
+            (vec!["--rpm", "2000"], "hall closed loop, 2000 rpm, 18 V supply, 0 N m load, 20 kHz PWM"),
             (
                 vec!["--rpm", "-900", "--load", "0.02", "--pwm-rate", "12500"],
                 "hall closed loop, -900 rpm, 18 V supply, 0.02 N m load, 12.5 kHz PWM",
