@@ -116,9 +116,9 @@ class Master:
 
 @pytest.fixture
 def master(request):
-    """A master on the bus of the virtual drive; the marker `arguments` gives arguments for the image."""
+    """A master on the bus of the virtual drive; the marker `arguments`, or a parameter, gives arguments for the image."""
     marker = request.node.get_closest_marker("arguments")
-    with virtual_drive(*(marker.args if marker else ())) as bus:
+    with virtual_drive(*(marker.args if marker else getattr(request, "param", ()))) as bus:
         yield Master(bus)
 
 

@@ -3,6 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 import zlib
 
+import pytest
 from conftest import (
     BROADCAST_SECONDS,
     FAULT_WORD,
@@ -19,6 +20,7 @@ STANDBY_REQUEST, DRIVE_REQUEST = 0, 1
 INITIALIZATION, STANDBY, HALL_CLOSED_LOOP = 0, 1, 5
 
 
+@pytest.mark.parametrize("master", [(), ("--pwm-rate", "20000")], ids=["10 kHz", "20 kHz"], indirect=True)
 def test_the_motor_starts_reaches_its_speed_and_stops(master):
     master.wait(1.0, lambda: STATUS_WORD in master.seen and FAULT_WORD in master.seen, "broadcast after power-up")
     assert MEASUREMENT_5 not in master.seen, "a drive without master sends no measurements"

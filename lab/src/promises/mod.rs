@@ -10,6 +10,7 @@ mod operating;
 pub(crate) mod picture;
 mod range;
 mod scope;
+mod spinning;
 mod start;
 mod starts;
 mod steady;
@@ -75,9 +76,10 @@ type Measure = fn(&Context<'_>) -> Part;
 const FLOOR: &str = "floor";
 
 /// All parts in the order of the table: promises of control, then what the bench costs.
-const PARTS: [(&str, Measure); 11] = [
+const PARTS: [(&str, Measure); 12] = [
     ("start", starts::part),
     ("soon", starts::nominal),
+    ("spinning", spinning::part),
     ("steady", steady::part),
     ("load-step", load_step::part),
     ("top-speed", top_speed::part),

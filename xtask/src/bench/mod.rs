@@ -53,11 +53,12 @@ fn names() -> clap::builder::PossibleValuesParser {
 }
 
 /// Parts that narx-lab measures, on the bench alone.
-const PROMISES: [&str; 11] = [
+const PROMISES: [&str; 12] = [
     "start",
     "soon",
     "steady",
     "load-step",
+    "spinning",
     "top-speed",
     "range",
     "efficiency",

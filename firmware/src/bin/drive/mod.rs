@@ -50,12 +50,13 @@ fn main() -> ! {
     // Before anything else is in RAM that could not bear it.
     let is_ram_sound = image::is_ram_sound();
     let cause = kept::take_cause();
-    let Some(Options { preset, supply, watchdog_ms, trouble }) = choose(semihosting::arguments(ARGUMENTS))
+    let Some(Options { preset, supply, board, watchdog_ms, trouble }) =
+        choose(semihosting::arguments(ARGUMENTS))
     else {
         semihosting::exit(false)
     };
     let trouble = report(cause, trouble);
-    let commissioning = match commission(preset, supply) {
+    let commissioning = match commission(preset, supply, &board) {
         Ok(commissioning) => commissioning,
         Err(error) => fail(&error),
     };
@@ -72,7 +73,7 @@ fn main() -> ! {
     let Some(chip) = Chip::take() else { semihosting::exit(false) };
     let mut storage = Storage::new(chip);
     let Some(opened) = open(&mut storage, &commissioning) else { semihosting::exit(false) };
-    let (tick, mut device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
+    let (tick, mut device) = QUEUES.power_up(IDENTITY, board, opened.parameters.clone());
     device.attach_scope(SCOPE);
     let mut server = program::is_in_slot()
         .then(|| Slot::new(Slots::new(), MAP, hardware::QEMU).ok())
@@ -95,22 +96,25 @@ fn main() -> ! {
     let volts = Decimal { digits: (supply * 10.0) as i64, exponent: -1 };
     hprintln!("narx on mps2-an386: {} at {} V, hall closed loop, slcan on UART0", preset.name, volts);
     // It takes its time, for which no watchdog waits.
-    let tests = Tests::boot(is_ram_sound);
+    let tick_rate = board.tick_rate as u16;
+    let tests = Tests::boot(is_ram_sound, tick_rate);
+    let config = PlantConfig { angle_deg: 77.0, board, ..PlantConfig::new(preset.motor, supply) };
     let world = World {
-        plant: Plant::new(&PlantConfig { angle_deg: 77.0, ..PlantConfig::new(preset.motor, supply) }),
+        plant: Plant::new(&config),
         samples,
         commands,
         uart,
         adapter: Adapter::with_settings(kept::settings()),
-        pace: Pace::start(peripherals.SYST),
+        pace: Pace::start(peripherals.SYST, tick_rate),
         watchdog: Watchdog::start(watchdog_ms),
+        tick_rate,
         stack: 0,
         bus_free_at: 0,
         tests,
         trouble,
         server,
     };
-    storage.flash().start_clock();
+    storage.flash().start_clock(tick_rate);
     let mut serve = pin!(mailbox.serve(&mut storage));
     let task = poll_fn(move |context| {
         if let Some(trouble) = trouble {
@@ -193,6 +197,7 @@ struct Options {
     preset: &'static Preset,
     /// V.
     supply: f64,
+    board: Board,
     watchdog_ms: u32,
     trouble: Option<Trouble>,
 }
@@ -201,6 +206,7 @@ struct Options {
 fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
     let mut motor = MOTOR;
     let mut supply = None;
+    let mut board = Board::BENCH;
     let mut watchdog_ms = watchdog::PERIOD_MS;
     let (mut task, mut after) = (None, 0);
     while let Some(option) = arguments.next() {
@@ -211,6 +217,11 @@ fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
                 true
             }
             "--supply" => value.parse::<u8>().map(|volts| supply = Some(f64::from(volts))).is_ok(),
+            "--pwm-rate" => {
+                let hertz = value.parse().ok().filter(|hertz| (8_000..=50_000).contains(hertz));
+                let parsed = hertz.and_then(|hertz| Board::BENCH.at_rate(hertz));
+                parsed.map(|parsed| board = parsed).is_some()
+            }
             "--watchdog" => value.parse().map(|ms| watchdog_ms = ms).is_ok(),
             "--after" => value.parse().map(|ticks| after = ticks).is_ok(),
             "--trouble" => {
@@ -221,7 +232,7 @@ fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
         };
         if !is_understood {
             hprintln!(
-                "{} {}: expected --motor NAME, --supply VOLTS, --watchdog MS, --trouble WHAT or --after TICKS",
+                "{} {}: expected --motor NAME, --supply VOLTS, --pwm-rate HZ, --watchdog MS, --trouble WHAT or --after TICKS",
                 option,
                 value
             );
@@ -233,17 +244,17 @@ fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
         return None;
     };
     let supply = supply.unwrap_or(preset.data.nominal_voltage);
-    Some(Options { preset, supply, watchdog_ms, trouble: task.map(|task| Trouble { task, after }) })
+    Some(Options { preset, supply, board, watchdog_ms, trouble: task.map(|task| Trouble { task, after }) })
 }
 
-fn commission(preset: &Preset, supply: f64) -> Result<Commissioning, impl fmt::Display> {
+fn commission(preset: &Preset, supply: f64, board: &Board) -> Result<Commissioning, impl fmt::Display> {
     let plate = Nameplate {
         motor: preset.motor,
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,
     };
-    plate.commission(Mode::Hall)
+    plate.commission_on(board, Mode::Hall, None)
 }
 
 fn fail(error: &dyn fmt::Display) -> ! {

@@ -10,8 +10,6 @@ use narx_sim::flash::{Flash, FlashError, KBYTE_512};
 
 /// Bytes of the flash.
 const BYTES: usize = 512 << 10;
-/// Length of a control tick, ns.
-const TICK_NS: u64 = 100_000;
 
 /// In the PSRAM, behind the slots.
 const MEMORY: usize = slots::START + (8 << 20);
@@ -33,7 +31,8 @@ pub fn now() -> u64 {
 /// The chip on the board.
 pub struct Chip {
     model: Flash<&'static mut [u8]>,
-    timed: bool,
+    /// Length of a control tick, ns; `None` before the clock was started.
+    tick_ns: Option<u64>,
     /// Busy time that has not been waited for, below one tick, ns.
     owed: u64,
 }
@@ -48,12 +47,12 @@ impl Chip {
         // SAFETY: bytes of the PSRAM that nobody else names, and this point is reached once: no interrupt
         // takes a chip.
         let memory = unsafe { core::slice::from_raw_parts_mut(MEMORY as *mut u8, BYTES) };
-        Some(Self { model: Flash::new(KBYTE_512, memory, 0), timed: false, owed: 0 })
+        Some(Self { model: Flash::new(KBYTE_512, memory, 0), tick_ns: None, owed: 0 })
     }
 
-    /// From now on operations last.
-    pub fn start_clock(&mut self) {
-        self.timed = true;
+    /// From now on operations last. `tick_rate`: control ticks a second.
+    pub fn start_clock(&mut self, tick_rate: u16) {
+        self.tick_ns = Some(1_000_000_000 / u64::from(tick_rate.max(1)));
         self.model.take_busy();
     }
 
@@ -65,11 +64,12 @@ impl Chip {
     /// Until the last operation has ended.
     async fn settle(&mut self) {
         self.owed += self.model.take_busy();
-        let ticks = (self.owed / TICK_NS) as u32;
-        if !self.timed || ticks == 0 {
+        let Some(tick_ns) = self.tick_ns else { return };
+        let ticks = (self.owed / tick_ns) as u32;
+        if ticks == 0 {
             return;
         }
-        self.owed %= TICK_NS;
+        self.owed %= tick_ns;
         let start = NOW.load(Ordering::Relaxed);
         poll_fn(|_| match NOW.load(Ordering::Relaxed).wrapping_sub(start) >= ticks {
             true => Poll::Ready(()),

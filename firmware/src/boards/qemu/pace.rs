@@ -7,8 +7,6 @@ use cortex_m::peripheral::syst::SystClkSource;
 
 /// Milliseconds since power-up, wrapping.
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
-/// Control ticks a millisecond.
-const TICKS_PER_MS: u64 = 10;
 /// A simulation that is this late does not try to make up for it, ms.
 const LATE_MAX: u64 = 20;
 
@@ -35,19 +33,20 @@ pub fn look_for_millisecond() {
 
 /// Compares ticks with milliseconds since an instant at which both were together.
 pub struct Pace {
+    tick_rate: u64,
     tick: u64,
     millisecond: u32,
 }
 
 impl Pace {
-    /// Starts the system timer, which interrupts once a millisecond.
-    pub fn start(mut timer: SYST) -> Self {
+    /// Starts the system timer, which interrupts once a millisecond. `tick_rate`: control ticks a second.
+    pub fn start(mut timer: SYST, tick_rate: u16) -> Self {
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(super::CLOCK_HZ / 1000 - 1);
         timer.clear_current();
         timer.enable_interrupt();
         timer.enable_counter();
-        Self { tick: 0, millisecond: 0 }
+        Self { tick_rate: tick_rate.max(1).into(), tick: 0, millisecond: 0 }
     }
 
     /// Sleeps while `tick` is ahead of the clock.
@@ -55,10 +54,10 @@ impl Pace {
         loop {
             let now = MILLISECONDS.load(Ordering::Relaxed);
             let passed = u64::from(now.wrapping_sub(self.millisecond));
-            let due = tick.wrapping_sub(self.tick) / TICKS_PER_MS;
+            let due = tick.wrapping_sub(self.tick) * 1000 / self.tick_rate;
             if due <= passed {
                 if passed - due > LATE_MAX {
-                    *self = Self { tick, millisecond: now };
+                    *self = Self { tick, millisecond: now, ..*self };
                 }
                 return;
             }

@@ -24,15 +24,11 @@ use narx_sim::plant::Plant;
 
 /// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another receives and says nothing.
 const BITRATE: u32 = 500_000;
-/// Shortest time for which a frame occupies the bus, whole ticks: 131 bits of a 29-bit frame with 8 bytes.
-const FRAME_TICKS: u64 = 3;
-/// Control ticks a millisecond.
-const TICKS_PER_MS: u64 = 10;
-/// Control ticks a second.
-const TICK_RATE: u16 = 10_000;
+/// Bits of a frame with a 29-bit identifier and 8 bytes, at least.
+const FRAME_BITS: u64 = 131;
 /// The walk over the program takes this much at a time: a second for the whole image.
 const WALK_BYTES: usize = 4096;
-/// The stack is looked at this often, ticks: every second of the drive.
+/// The stack is looked at this often, ticks.
 const STACK_TICKS: u64 = 10_000;
 
 /// The interrupt's side: samples that the plant has left, and a command for it.
@@ -76,6 +72,8 @@ pub struct World {
     pub pace: Pace,
     /// Resets the machine when it is not fed.
     pub watchdog: Watchdog,
+    /// Control ticks a second.
+    pub tick_rate: u16,
     /// Most of the stack that was seen used, bytes.
     pub stack: usize,
     /// Time at which a real bus would have taken all frames sent so far, ticks: the serial line is faster
@@ -99,13 +97,13 @@ pub struct Tests {
 }
 
 impl Tests {
-    /// At boot; `is_ram_sound` was found as early as possible.
-    pub fn boot(is_ram_sound: bool) -> Self {
+    /// At boot; `is_ram_sound` was found as early as possible. `tick_rate`: control ticks a second.
+    pub fn boot(is_ram_sound: bool, tick_rate: u16) -> Self {
         const TOLERANCE: Tolerance = Tolerance { slow: 1000, fast: 20 };
         Self {
             failed: if is_ram_sound { SelfTests::empty() } else { SelfTests::RAM },
             walk: Walk::new(image::program()),
-            monitor: TickMonitor::new(TICK_RATE, 1000, TOLERANCE, 1000, pace::milliseconds()),
+            monitor: TickMonitor::new(tick_rate, 1000, TOLERANCE, 1000, pace::milliseconds()),
         }
     }
 
@@ -188,8 +186,10 @@ impl BackgroundSide for World {
     }
 
     fn send(&mut self, frame: &Frame) {
-        self.bus_free_at = self.bus_free_at.max(self.now()) + FRAME_TICKS;
-        let line = self.adapter.handle_frame(frame, self.now() / TICKS_PER_MS);
+        let tick_rate = u64::from(self.tick_rate);
+        let ticks = (FRAME_BITS * tick_rate).div_ceil(BITRATE.into());
+        self.bus_free_at = self.bus_free_at.max(self.now()) + ticks;
+        let line = self.adapter.handle_frame(frame, self.now() * 1000 / tick_rate.max(1));
         if let Some(line) = line.filter(|_| self.is_on_bus())
             && !self.uart.write(&line)
         {
