@@ -914,7 +914,7 @@ typedef union narx_fields_t {
 
 // Rises whenever coefficients of an earlier library would be wrong for this one: what `narx coefficients`
 // prints compares it.
-#define NARX_COEFFICIENTS_VERSION 11
+#define NARX_COEFFICIENTS_VERSION 12
 
 // Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2

@@ -107,7 +107,7 @@ pub struct Bench {
     other: NodeIndex,
     /// Ticks from one slow input to the next.
     inputs_every: u64,
-    period_ns: u64,
+    tick_rate: u64,
     pole_pairs: f64,
     trace: Option<Trace>,
     command: PwmCommand,
@@ -160,7 +160,7 @@ impl Bench {
             monitor,
             other,
             inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
-            period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
+            tick_rate: board.tick_rate.max(1).into(),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
             trace: config.trace.then(|| Trace::new(&SIGNALS)),
             command: PwmCommand::default(),
@@ -359,14 +359,11 @@ impl Bench {
         self.plant.observe().time
     }
 
-    /// Length of a control tick, ns.
-    pub const fn period_ns(&self) -> u64 {
-        self.period_ns
-    }
-
-    /// Time since power-up, ns.
+    /// Time since power-up, ns, rounded down.
     pub fn now_ns(&self) -> u64 {
-        self.plant.tick() * self.period_ns
+        const SECOND: u64 = 1_000_000_000;
+        let (seconds, ticks) = (self.plant.tick() / self.tick_rate, self.plant.tick() % self.tick_rate);
+        seconds * SECOND + ticks * SECOND / self.tick_rate
     }
 
     /// The physical side, to look at.

@@ -3,7 +3,9 @@
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, Cause, RunRequest, State};
+use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, LoadConfig, Phase, PlantConfig};
+use narx_sim::presets::PRESETS;
 
 /// Torque of the load, N m: half of what the motor gives with 4 A.
 const TORQUE: f64 = 0.07;
@@ -103,6 +105,34 @@ fn sensors_that_are_a_little_off_are_kept() {
             closed.set_point = rpm;
             assert_eq!(closed.run(8_000), Outcome::Running);
             assert_eq!(closed.drive.state(), State::HallClosedLoop, "{offset} degrees, {rpm} rpm");
+        }
+    }
+}
+
+/// Hall sensors that work are kept through steps of the load between none and 80 % of the rated torque, with
+/// every motor, forward and in reverse.
+#[test]
+fn sensors_that_work_are_kept_through_steps_of_the_load() {
+    for preset in &PRESETS {
+        for request in [RunRequest::Drive, RunRequest::Reverse] {
+            let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
+            let config = PlantConfig::new(preset.motor, supply);
+            let changes = [(number::SENSORLESS_ENABLE, 1), (number::OTHER_SOURCE, 1)];
+            let mut closed = Closed::rated(&config, &changes, Mode::Hall, preset.data.rated_current);
+            closed.boot();
+            closed.ask(request);
+            let torque = 0.8 * preset.data.rated_current.unwrap_or(1.0) * preset.motor.torque_constant;
+            for step in 0..6 {
+                // A light rotor that is let go of may overspeed, which is another matter.
+                closed.run(5_000);
+                assert!(
+                    closed.drive.state() != State::SensorlessClosedLoop,
+                    "{} {request:?} {step}",
+                    preset.name
+                );
+                let constant = if step % 2 == 0 { torque } else { 0.0 };
+                closed.plant.set_load(LoadConfig { constant, ..LoadConfig::default() });
+            }
         }
     }
 }

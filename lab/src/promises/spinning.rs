@@ -29,7 +29,9 @@ pub(super) fn part(context: &Context<'_>) -> Part {
             .iter()
             .zip(&times)
             .filter(|(_, time)| **time > SOON)
-            .map(|((preset, share), time)| format!("{} at {:.0} % {time:.2} s", preset.name, 100.0 * share.abs()))
+            .map(|((preset, share), time)| {
+                format!("{} at {:.0} % {time:.2} s", preset.name, 100.0 * share.abs())
+            })
             .collect();
         let soon = 100.0 * (points.len() - late.len()) as f64 / points.len() as f64;
         let name = format!("rotor that turns {way}, led within {SOON} s of the request, presets");

@@ -100,11 +100,7 @@ fn demonstrate(settings: &Settings) -> io::Result<bool> {
     write_files(settings, &run)?;
     let identical = replays(&run.session.bench().recording());
     println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", settings.out.display());
-    println!(
-        "replayed {} ticks from run.narxrec: {}",
-        run.session.bench().now_ns() / run.session.bench().period_ns(),
-        identical.1
-    );
+    println!("replayed {} ticks from run.narxrec: {}", run.session.bench().plant().tick(), identical.1);
     Ok(figures.running() && identical.0)
 }
 
