@@ -46,8 +46,10 @@ impl Running {
     /// # Errors
     /// Fails if a motor is not at its set-point at the end, or a file cannot be written.
     pub fn record(directory: &Path) -> Result<Self, String> {
-        let (sensorless, rpm) = demo::session(&["--mode", "sensorless"])?;
-        let (hall, _) = demo::session(&["--mode", "hall", "--rpm", &rpm.to_string()])?;
+        // The manual's rate (Table 2): what a tick costs stays comparable.
+        let rate = ["--pwm-rate", "10000"];
+        let (sensorless, rpm) = demo::session(&[&["--mode", "sensorless"], &rate[..]].concat())?;
+        let (hall, _) = demo::session(&[&["--mode", "hall", "--rpm", &rpm.to_string()], &rate[..]].concat())?;
         let hertz = f64::from(rpm) / 60.0 * f64::from(hall.motor.pole_pairs);
         let millihertz = (hertz * 1e3).round() as u32;
         fs::create_dir_all(directory).map_err(|error| format!("{}: {error}", directory.display()))?;

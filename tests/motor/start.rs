@@ -4,7 +4,7 @@ use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, RunRequest, State};
 use narx_lab::promises::{Point, Start, map};
-use narx_sim::commissioning::Mode;
+use narx_sim::commissioning::{Mode, Nameplate, SpeedLimit};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
@@ -121,4 +121,41 @@ fn presets_with_hall_sensors() {
 #[test]
 fn presets_without_sensors() {
     insta::assert_snapshot!(table(Mode::Sensorless));
+}
+
+/// Motors that four samples of back-EMF a sector limit at 10 kHz, on their nominal supply: rated speed of the
+/// data sheet, the largest set-point at 10 and at 20 kHz and what limits it there, and the speed that is held
+/// at that set-point without load.
+#[test]
+fn presets_that_samples_limit_are_faster_at_20_khz() {
+    let fast = Board::BENCH.at_rate(20_000).unwrap();
+    let mut text = format!(
+        "{:<22} {:>6}  {:>6}  {:>6}  {:>6}  {:<12}  {:>6}\n",
+        "motor", "supply", "rated", "10 kHz", "20 kHz", "limit", "held"
+    );
+    for preset in &PRESETS {
+        let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
+        let plate = Nameplate {
+            motor: preset.motor,
+            rated_current: preset.data.rated_current,
+            supply,
+            open_loop_speed: None,
+        };
+        let [slow, quick] =
+            [&Board::BENCH, &fast].map(|board| plate.commission_on(board, Mode::Sensorless, None).unwrap());
+        if slow.speed_limit != SpeedLimit::Samples {
+            continue;
+        }
+        let rpm = quick.speed_max.floor();
+        let point = Point { board: fast, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: Some(rpm) };
+        let held = point.run().map(|figures| rpm * (1.0 + figures.error));
+        let held = held.map_or_else(|why| why.to_string(), |rpm| format!("{rpm:.0}"));
+        let (rated, limit) = (preset.data.rated_speed.unwrap_or(0.0), quick.speed_limit.name());
+        let _ = writeln!(
+            text,
+            "{:<22} {supply:>4} V  {rated:>6.0}  {:>6.0}  {rpm:>6.0}  {limit:<12}  {held:>6}",
+            preset.name, slow.speed_max
+        );
+    }
+    insta::assert_snapshot!(text);
 }
