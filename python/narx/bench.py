@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Literal
@@ -52,6 +53,7 @@ class Bench:
             supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
         self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._courses = Courses(self._bench)
+        self._running = threading.RLock()
         self._motor, self._supply_voltage = whole, float(supply_voltage)
         self._drive = Drive(BenchLink(self))
         self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
@@ -65,6 +67,7 @@ class Bench:
         a `narx.TxDriver` operates the node of its own bench only."""
         copied = Bench.__new__(Bench)
         copied._bench = self._bench.copy()
+        copied._running = threading.RLock()
         copied._courses = self._courses.copy(copied._bench)
         copied._motor, copied._supply_voltage, copied._about = self._motor, self._supply_voltage, self._about
         copied._drive = Drive(BenchLink(copied))
@@ -127,15 +130,15 @@ class Bench:
         so far.
         """
         seconds = given.seconds(seconds)
-        # Removes rows of earlier calls that waited: they belong to no run.
-        with Rows(self._bench, signals, every, to) as rows, bar(seconds, "s", progress) as step:
+        # Runs of two threads follow each other, each with its own rows.
+        with self._running, Rows(self._bench, trace, signals, every, to) as rows, bar(seconds, "s", progress) as step:
             end = self.time + seconds
             try:
                 while (left := end - self.time) > STRETCH:
-                    self._courses.advance(STRETCH, trace)
-                    rows.take(trace)
+                    self._courses.advance(STRETCH)
+                    rows.pass_on()
                     step(STRETCH)
-                self._courses.advance(max(left, 0.0), trace)
+                self._courses.advance(max(left, 0.0))
             except KeyboardInterrupt:
                 raise RunInterrupted(rows.end()) from None
             step(left)

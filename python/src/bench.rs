@@ -11,11 +11,13 @@ use crate::tx_driver;
 use crate::tx_master::TxMaster;
 use narx_core::dictionary::Dictionary;
 use narx_core::motor::Board;
+use narx_sim::bench::SIGNALS;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig, parse_board};
 use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::num::NonZeroU32;
 
 /// A virtual drive with its motor on a simulated bench, and a master on its bus; the compiled part of
 /// `narx.Bench`.
@@ -26,6 +28,9 @@ pub(crate) struct Bench(Shared);
 const VOLTAGE_MAX: f64 = 80.0;
 /// Largest resistance of a supply, ohm.
 const RESISTANCE_MAX: f64 = 100.0;
+
+/// Most ticks from one row to the next.
+const EVERY_MAX: u32 = 1_000_000;
 
 /// Columns by name, and units by name.
 type Rows<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
@@ -50,7 +55,8 @@ impl Bench {
         pwm_rate: Given,
         recording: bool,
     ) -> PyResult<Self> {
-        let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
+        let mut config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
+        config.trace = false;
         let session = Session::new(&config).map_err(error::parameter)?;
         Ok(Self(Shared::new(if recording { session } else { session.without_recording() })))
     }
@@ -79,16 +85,33 @@ impl Bench {
         self.0.with(py, |session| notes::notes(session.commissioning()))
     }
 
-    /// Runs the simulation for `seconds`, to the nearest control tick, and keeps a row of each tick, or
-    /// removes all rows.
-    #[pyo3(signature = (seconds, trace=true))]
-    fn advance(&self, py: Python<'_>, seconds: Given, trace: bool) -> PyResult<()> {
+    /// Runs the simulation for `seconds`, to the nearest control tick.
+    fn advance(&self, py: Python<'_>, seconds: Given) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
         let ticks = self.0.with(py, |session| {
-            session.bench_mut().set_trace(trace);
             (seconds * f64::from(session.bench().node().board().tick_rate)).round() as u64
         });
         self.0.run(py, ticks)
+    }
+
+    /// Names and units of the signals that rows can have.
+    #[staticmethod]
+    fn signals() -> Vec<(&'static str, &'static str)> {
+        SIGNALS.iter().map(|signal| (signal.name, signal.unit)).collect()
+    }
+
+    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of `signals`; forgets
+    /// the rows so far.
+    fn keep_rows(&self, py: Python<'_>, places: Vec<usize>, every: Given) -> PyResult<()> {
+        let every: u32 = error::whole("every", every, "", 1, EVERY_MAX)?;
+        let every = NonZeroU32::new(every).unwrap_or(NonZeroU32::MIN);
+        self.0.with(py, |session| session.bench_mut().set_trace_of(&places, every));
+        Ok(())
+    }
+
+    /// Keeps no rows from now on; forgets those so far.
+    fn keep_no_rows(&self, py: Python<'_>) {
+        self.0.with(py, |session| session.bench_mut().set_trace(false));
     }
 
     /// Returns columns and units, by name, of the rows since the previous call.
@@ -227,13 +250,6 @@ impl Bench {
         let master = TxMaster::with_station(node_id, channels, timeout)?;
         self.0.seat(py, &master.station());
         Ok(master)
-    }
-
-    /// Removes the rows so far.
-    fn drop_rows(&self, py: Python<'_>) {
-        self.0.with(py, |session| {
-            session.bench_mut().take_trace();
-        });
     }
 }
 
