@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Literal
 
-from narx import _core, given
+from narx import _core, fmu, given
 from narx._core import Load, Motor
 from narx.courses import Course, Courses, LoadCourse
 from narx.drive import Drive
@@ -56,6 +56,7 @@ class Bench:
         self._running = threading.RLock()
         self._motor, self._supply_voltage = whole, float(supply_voltage)
         self._drive = Drive(BenchLink(self))
+        self._pwm_rate = pwm_rate
         self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
 
     def __repr__(self) -> str:
@@ -70,6 +71,7 @@ class Bench:
         copied._running = threading.RLock()
         copied._courses = self._courses.copy(copied._bench)
         copied._motor, copied._supply_voltage, copied._about = self._motor, self._supply_voltage, self._about
+        copied._pwm_rate = self._pwm_rate
         copied._drive = Drive(BenchLink(copied))
         return copied
 
@@ -143,6 +145,19 @@ class Bench:
                 raise RunInterrupted(rows.end()) from None
             step(left)
             return rows.end()
+
+    def fmu(self, path: str | PathLike[str], version: Literal[2, 3] = 3) -> None:
+        """Writes this bench as an FMU for other simulation tools: FMI 2.0 or 3.0, co-simulation, for Linux on
+        x86-64. It powers up as this bench did, with the same arguments.
+
+        Inputs: "run" (true requests Drive, false Standby), "speed_request" (rpm), "load_torque" and
+        "machine_torque" (N m), "supply_voltage" (V). Outputs: every signal of a trace but the time, by its
+        name and in its unit, as a double of the value of which a trace keeps 32 bits; codes are integers.
+        A step of time runs the control ticks up to its end, to the nearest. Faults, TX-Drivers and what was
+        changed on this bench since it powered up are not in it. Raises ParameterError for another version,
+        and MissingError for a package that was built for another system.
+        """
+        fmu.save(self._bench, path, version, 1.0 / self._pwm_rate)
 
     def inject(
         self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False
