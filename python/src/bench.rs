@@ -110,8 +110,8 @@ impl Bench {
         SIGNALS.iter().map(|signal| (signal.name, signal.unit)).collect()
     }
 
-    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of `signals`; forgets
-    /// the rows so far.
+    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of `signals`;
+    /// forgets the rows so far.
     fn keep_rows(&self, py: Python<'_>, places: Vec<usize>, every: Given) -> PyResult<()> {
         let every: u32 = error::whole("every", every, "", 1, EVERY_MAX)?;
         let every = NonZeroU32::new(every).unwrap_or(NonZeroU32::MIN);

@@ -98,7 +98,8 @@ unsafe extern "C" fn fmi3GetFloat64(
     values: *mut f64,
     _values_count: usize,
 ) -> Status {
-    // SAFETY: an instance of the importer's, or null, and arrays of `count` elements, as no variable is an array.
+    // SAFETY: an instance of the importer's, or null, and arrays of `count` elements: no variable is an
+    // array.
     unsafe { instance::get(c, vr, values, count, |value| value) }
 }
 

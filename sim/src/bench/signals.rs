@@ -140,8 +140,8 @@ impl Bench {
         self.kept = keep.then(|| kept.unwrap_or_else(Kept::all));
     }
 
-    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of [`SIGNALS`]; forgets
-    /// the rows so far. The fewer signals, the faster: what none of them needs is not computed.
+    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of [`SIGNALS`];
+    /// forgets the rows so far. The fewer signals, the faster: what none of them needs is not computed.
     pub fn set_trace_of(&mut self, places: &[usize], every: NonZeroU32) {
         self.kept = Some(Kept::of(places, every));
     }
