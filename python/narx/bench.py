@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Literal
 
-from narx import _core, fmu, given
+from narx import _core, fmu, given, live
 from narx._core import Load, Motor
 from narx.courses import Course, Courses, LoadCourse
 from narx.drive import Drive
@@ -105,10 +105,7 @@ class Bench:
     def notes(self) -> list[str]:
         """Limits of the drive that restrict this motor, a sentence each; and whether the winding has been
         hotter than the motor's `max_winding_temperature`."""
-        hottest, time = self._bench.hottest
-        most = self._motor.max_winding_temperature
-        burnt = f"the winding has reached {hottest:.0f} degrees Celsius at {time:.1f} s, and may have {most:.0f}: this motor would be damaged"
-        return self._bench.notes + [burnt] * (hottest > most)
+        return self._bench.notes
 
     def run(
         self,
@@ -145,6 +142,18 @@ class Bench:
                 raise RunInterrupted(rows.end()) from None
             step(left)
             return rows.end()
+
+    def live(self, seconds: float, *signals: str, refresh: float = 0.1, every: int = 10) -> Trace:
+        """Runs the simulation for `seconds`, and in a notebook draws the rows so far again and again; returns
+        the rows.
+
+        signals: those to keep and draw, as of `Trace.plot`; without names it keeps all. refresh: simulated
+        time from one picture to the next, s. every: keeps one row of this many ticks. Raises RefusedError
+        outside of a notebook, MissingError without matplotlib, SignalError for a signal that does not exist,
+        and ParameterError for another argument out of range. Ctrl-C (the notebook's Stop) raises
+        RunInterrupted, whose `.trace` has the rows so far.
+        """
+        return live.live(self, seconds, signals, refresh, every)
 
     def fmu(self, path: str | PathLike[str], version: Literal[2, 3] = 3) -> None:
         """Writes this bench as an FMU for other simulation tools: FMI 2.0 or 3.0, co-simulation, for Linux on

@@ -28,6 +28,8 @@ pub(crate) struct Bench {
     session: Shared,
     /// Configuration at power-up.
     config: SessionConfig,
+    /// Largest temperature that the winding may have, degrees Celsius.
+    winding_max: f64,
 }
 
 /// Largest voltage of a supply, as of the injection "supply", V.
@@ -68,7 +70,7 @@ impl Bench {
         config.trace = false;
         let session = Session::new(&config).map_err(error::parameter)?;
         let session = Shared::new(if recording { session } else { session.without_recording() });
-        Ok(Self { session, config })
+        Ok(Self { session, config, winding_max: motor.max_winding_temperature() })
     }
 
     /// The master on this bench's bus.
@@ -89,10 +91,13 @@ impl Bench {
         self.session.with(py, |session| session.bench().digest())
     }
 
-    /// Limits of the drive that restrict this motor, a sentence each.
+    /// Limits of the drive that restrict this motor, a sentence each; and whether the winding has been too
+    /// hot.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
-        self.session.with(py, |session| notes::notes(session.commissioning()))
+        let own = self.session.with(py, |session| notes::notes(session.commissioning()));
+        let (hottest, time) = self.session.hottest(py);
+        own.into_iter().chain(notes::winding(hottest, time, self.winding_max)).collect()
     }
 
     /// Runs the simulation for `seconds`, to the nearest control tick.
@@ -149,13 +154,7 @@ impl Bench {
 
     /// Returns a copy of the bench as it stands.
     fn copy(&self, py: Python<'_>) -> Self {
-        Self { session: self.session.copy(py), config: self.config.clone() }
-    }
-
-    /// Largest temperature of the winding so far, degrees Celsius, and its time, s.
-    #[getter]
-    fn hottest(&self, py: Python<'_>) -> (f64, f64) {
-        self.session.hottest(py)
+        Self { session: self.session.copy(py), config: self.config.clone(), winding_max: self.winding_max }
     }
 
     /// Injects a fault, or removes it (`active` false). `fault` is a name of `faults`.

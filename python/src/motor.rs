@@ -251,7 +251,7 @@ impl Motor {
 
     /// Largest temperature of the winding, degrees Celsius.
     #[getter]
-    fn max_winding_temperature(&self) -> f64 {
+    pub(crate) fn max_winding_temperature(&self) -> f64 {
         self.max_winding_temperature
     }
 
