@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Literal
 
-from narx import _core, given
+from narx import _core, fmu, given, live
 from narx._core import Load, Motor
 from narx.courses import Course, Courses, LoadCourse
 from narx.drive import Drive
@@ -52,8 +53,10 @@ class Bench:
             supply_voltage = (whole.nominal_voltage if isinstance(motor, str) else None) or SUPPLY
         self._bench = _core.Bench(whole, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate, recording)
         self._courses = Courses(self._bench)
+        self._running = threading.RLock()
         self._motor, self._supply_voltage = whole, float(supply_voltage)
         self._drive = Drive(BenchLink(self))
+        self._pwm_rate = pwm_rate
         self._about = f"{whole.name or 'motor'}, {supply_voltage:g} V, {mode}"
 
     def __repr__(self) -> str:
@@ -65,8 +68,10 @@ class Bench:
         a `narx.TxDriver` operates the node of its own bench only."""
         copied = Bench.__new__(Bench)
         copied._bench = self._bench.copy()
+        copied._running = threading.RLock()
         copied._courses = self._courses.copy(copied._bench)
         copied._motor, copied._supply_voltage, copied._about = self._motor, self._supply_voltage, self._about
+        copied._pwm_rate = self._pwm_rate
         copied._drive = Drive(BenchLink(copied))
         return copied
 
@@ -100,10 +105,7 @@ class Bench:
     def notes(self) -> list[str]:
         """Limits of the drive that restrict this motor, a sentence each; and whether the winding has been
         hotter than the motor's `max_winding_temperature`."""
-        hottest, time = self._bench.hottest
-        most = self._motor.max_winding_temperature
-        burnt = f"the winding has reached {hottest:.0f} degrees Celsius at {time:.1f} s, and may have {most:.0f}: this motor would be damaged"
-        return self._bench.notes + [burnt] * (hottest > most)
+        return self._bench.notes
 
     def run(
         self,
@@ -127,19 +129,44 @@ class Bench:
         so far.
         """
         seconds = given.seconds(seconds)
-        # Removes rows of earlier calls that waited: they belong to no run.
-        with Rows(self._bench, signals, every, to) as rows, bar(seconds, "s", progress) as step:
+        # Runs of two threads follow each other, each with its own rows.
+        with self._running, Rows(self._bench, trace, signals, every, to) as rows, bar(seconds, "s", progress) as step:
             end = self.time + seconds
             try:
                 while (left := end - self.time) > STRETCH:
-                    self._courses.advance(STRETCH, trace)
-                    rows.take(trace)
+                    self._courses.advance(STRETCH)
+                    rows.pass_on()
                     step(STRETCH)
-                self._courses.advance(max(left, 0.0), trace)
+                self._courses.advance(max(left, 0.0))
             except KeyboardInterrupt:
                 raise RunInterrupted(rows.end()) from None
             step(left)
             return rows.end()
+
+    def live(self, seconds: float, *signals: str, refresh: float = 0.1, every: int = 10) -> Trace:
+        """Runs the simulation for `seconds`, and in a notebook draws the rows so far again and again; returns
+        the rows.
+
+        signals: those to keep and draw, as of `Trace.plot`; without names it keeps all. refresh: simulated
+        time from one picture to the next, s. every: keeps one row of this many ticks. Raises RefusedError
+        outside of a notebook, MissingError without matplotlib, SignalError for a signal that does not exist,
+        and ParameterError for another argument out of range. Ctrl-C (the notebook's Stop) raises
+        RunInterrupted, whose `.trace` has the rows so far.
+        """
+        return live.live(self, seconds, signals, refresh, every)
+
+    def fmu(self, path: str | PathLike[str], version: Literal[2, 3] = 3) -> None:
+        """Writes this bench as an FMU for other simulation tools: FMI 2.0 or 3.0, co-simulation, for Linux on
+        x86-64. It powers up as this bench did, with the same arguments.
+
+        Inputs: "run" (true requests Drive, false Standby), "speed_request" (rpm), "load_torque" and
+        "machine_torque" (N m), "supply_voltage" (V). Outputs: every signal of a trace but the time, by its
+        name and in its unit, as a double of the value of which a trace keeps 32 bits; codes are integers.
+        A step of time runs the control ticks up to its end, to the nearest. Faults, TX-Drivers and what was
+        changed on this bench since it powered up are not in it. Raises ParameterError for another version,
+        and MissingError for a package that was built for another system.
+        """
+        fmu.save(self._bench, path, version, 1.0 / self._pwm_rate)
 
     def inject(
         self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False

@@ -86,10 +86,10 @@ class Courses:
             self._bench.set_supply(voltage=given)  # type: ignore[arg-type]
         self._supply = found
 
-    def advance(self, seconds: float, trace: bool = True) -> None:
+    def advance(self, seconds: float) -> None:
         """Runs the bench for `seconds`; sets load and supply every millisecond."""
         if self._load is None and self._supply is None:
-            self._bench.advance(seconds, trace)
+            self._bench.advance(seconds)
             return
         end = self._bench.time + _core.number("seconds", seconds, "s", 0)
         while True:
@@ -97,9 +97,9 @@ class Courses:
             self._apply(now)
             left = end - now
             if left <= 1.5 * PERIOD:
-                self._bench.advance(max(left, 0.0), trace)
+                self._bench.advance(max(left, 0.0))
                 return
-            self._bench.advance(PERIOD, trace)
+            self._bench.advance(PERIOD)
 
     def _apply(self, now: float) -> None:
         try:

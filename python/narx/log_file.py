@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 from warnings import warn
 
 from narx import _core, given
@@ -26,6 +26,8 @@ BATCH = 10_000
 """Number of frames that are passed on at a time."""
 CHUNK = 1 << 16
 """Number of packed bytes that are unpacked at a time: everything before a damaged place is kept."""
+PART = 1 << 22
+"""Number of bytes of a file that are read at a time: a cache holds them, and they occupy every processor."""
 EXPANSION, EXPANDED = 200, 1 << 26
 """Largest ratio of unpacked to packed bytes once there are this many: logs are packed 5- to 20-fold."""
 GZIP = zlib.MAX_WBITS | 16
@@ -52,8 +54,8 @@ def read_log(
     slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
     with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
     in `errors`, as is the end of a truncated file. A NarxWarning says that the clock of the log jumps back:
-    see `CanLog.laps`. Formats other than candump need python-can; for these progress shows a progress bar of
-    tqdm, by default after 1 s if tqdm is installed and the output is a terminal or a notebook.
+    see `CanLog.laps`. Formats other than candump need python-can. progress shows a progress bar of tqdm, by
+    default after 1 s if tqdm is installed and the output is a terminal or a notebook.
     """
     path = given.path(path)
     nodes = given.several("encoders", encoders)
@@ -63,7 +65,10 @@ def read_log(
     if packing != ".gz":
         ending = packing
     if ending == ".log":
-        reader.candump(contents(path, errors))
+        with bar(path.stat().st_size / 1e6, "MB", progress) as step:
+            for part, size in unpacked(path, errors):
+                reader.candump(part)
+                step(size / 1e6)
     else:
         with bar(None, "frames", progress) as step:
             for batch in batches(frames(path, ending, errors), errors):
@@ -90,22 +95,35 @@ def told(log: CanLog, path: str | Path) -> CanLog:
 
 def contents(path: Path, errors: list[LogError]) -> bytes:
     """Returns the bytes of a file, unpacked up to the first damage."""
-    data = path.read_bytes()
-    if path.suffix.lower() != ".gz":
-        return data
-    unpacked: list[bytes] = []
-    size = 0
+    return b"".join(part for part, _ in unpacked(path, errors))
+
+
+def unpacked(path: Path, errors: list[LogError]) -> Iterator[tuple[bytes, int]]:
+    """Yields the bytes of a file part by part, unpacked up to the first damage, each with the number of bytes
+    that it has in the file."""
+    with path.open("rb") as file:
+        if path.suffix.lower() != ".gz":
+            while part := file.read(PART):
+                yield part, len(part)
+            return
+        yield from members(file, errors)
+
+
+def members(file: BinaryIO, errors: list[LogError]) -> Iterator[tuple[bytes, int]]:
+    """Unpacks a .gz file, which may have several members with zeros between them."""
+    read = size = 0
     member, begun = zlib.decompressobj(GZIP), False
     try:
-        for at in range(0, len(data), CHUNK):
-            packed = data[at : at + CHUNK]
-            # A .gz file may hold several members, with zeros between them.
+        while packed := file.read(CHUNK):
+            count = len(packed)
+            read += count
             while packed := packed if begun else packed.lstrip(b"\0"):
-                unpacked.append(member.decompress(packed))
-                size += len(unpacked[-1])
-                if size > EXPANDED and size > EXPANSION * (at + CHUNK):
+                part = member.decompress(packed)
+                yield part, count
+                count, size = 0, size + len(part)
+                if size > EXPANDED and size > EXPANSION * read:
                     errors.append(LogError(None, "", f"expands more than {EXPANSION}-fold: reading ended after {size} bytes"))
-                    return b"".join(unpacked)
+                    return
                 packed, begun = member.unused_data, not member.eof
                 if member.eof:
                     member = zlib.decompressobj(GZIP)
@@ -114,7 +132,6 @@ def contents(path: Path, errors: list[LogError]) -> bytes:
     else:
         if begun:
             errors.append(LogError(None, "", "truncated: the end of the packed data is missing"))
-    return b"".join(unpacked)
 
 
 Found = tuple["can.Message", int | None, str]

@@ -165,7 +165,7 @@ def sweep(
     A grid alone runs the built-in experiment: power up, request `rpm`, run for `seconds` (2) from there, with
     `fault` (`fault_value`, `fault_phase`, `fault_high`) injected `fault_time` s later; a start that fails is
     a result like any other, and so is a set-point that the drive clamps (outcome "clamped"; "accepted" is the
-    one in use, rpm). The grid can vary the arguments of Motor and Bench, those of Load with the prefix
+    one in use, rpm). "notes" are the sentences of `Bench.notes`, the winding's temperature at the end. The grid can vary the arguments of Motor and Bench, those of Load with the prefix
     `load_`, `motor` and `load` as a whole, and the drive's parameters by name or number. A function is called
     with a `Variant` of `grid` and returns its results by name; an error that it raises, also SystemExit, is
     the outcome of its row. It runs on threads, which use all cores because a bench releases Python's lock.

@@ -6,29 +6,45 @@ use crate::master::Master;
 use crate::motor::{self, Load, Motor};
 use crate::notes;
 use crate::session::Shared;
+use crate::state::words;
 use crate::trace;
 use crate::tx_driver;
 use crate::tx_master::TxMaster;
 use narx_core::dictionary::Dictionary;
 use narx_core::motor::Board;
+use narx_host::fmu::{self, Variable};
+use narx_sim::bench::SIGNALS;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig, parse_board};
 use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::num::NonZeroU32;
 
 /// A virtual drive with its motor on a simulated bench, and a master on its bus; the compiled part of
 /// `narx.Bench`.
 #[pyclass(module = "narx._core", frozen)]
-pub(crate) struct Bench(Shared);
+pub(crate) struct Bench {
+    session: Shared,
+    /// Configuration at power-up.
+    config: SessionConfig,
+    /// Largest temperature that the winding may have, degrees Celsius.
+    winding_max: f64,
+}
 
 /// Largest voltage of a supply, as of the injection "supply", V.
 const VOLTAGE_MAX: f64 = 80.0;
 /// Largest resistance of a supply, ohm.
 const RESISTANCE_MAX: f64 = 100.0;
 
+/// Most ticks from one row to the next.
+const EVERY_MAX: u32 = 1_000_000;
+
 /// Columns by name, and units by name.
 type Rows<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
+
+/// A model of FMI: its file, the file's token, its variables.
+type Model = (String, String, Vec<(u32, &'static str, &'static str, String, String, f64)>);
 
 /// Result of a run: columns by name, units by name, and the recording.
 pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
@@ -50,67 +66,95 @@ impl Bench {
         pwm_rate: Given,
         recording: bool,
     ) -> PyResult<Self> {
-        let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
+        let mut config = config(motor, supply_voltage, load, mode, parameters, ambient, seed, pwm_rate)?;
+        config.trace = false;
         let session = Session::new(&config).map_err(error::parameter)?;
-        Ok(Self(Shared::new(if recording { session } else { session.without_recording() })))
+        let session = Shared::new(if recording { session } else { session.without_recording() });
+        Ok(Self { session, config, winding_max: motor.max_winding_temperature() })
     }
 
     /// The master on this bench's bus.
     #[getter]
     fn master(&self) -> Master {
-        Master::of_bench(self.0.clone())
+        Master::of_bench(self.session.clone())
     }
 
     /// Time since power-up, s.
     #[getter]
     fn time(&self, py: Python<'_>) -> f64 {
-        self.0.with(py, |session| session.bench().time())
+        self.session.with(py, |session| session.bench().time())
     }
 
     /// Digest of all outputs of the drive since it last booted.
     #[getter]
     fn digest(&self, py: Python<'_>) -> u64 {
-        self.0.with(py, |session| session.bench().digest())
+        self.session.with(py, |session| session.bench().digest())
     }
 
-    /// Limits of the drive that restrict this motor, a sentence each.
+    /// Limits of the drive that restrict this motor, a sentence each; and whether the winding has been too
+    /// hot.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
-        self.0.with(py, |session| notes::notes(session.commissioning()))
+        let own = self.session.with(py, |session| notes::notes(session.commissioning()));
+        let (hottest, time) = self.session.hottest(py);
+        own.into_iter().chain(notes::winding(hottest, time, self.winding_max)).collect()
     }
 
-    /// Runs the simulation for `seconds`, to the nearest control tick, and keeps a row of each tick, or
-    /// removes all rows.
-    #[pyo3(signature = (seconds, trace=true))]
-    fn advance(&self, py: Python<'_>, seconds: Given, trace: bool) -> PyResult<()> {
+    /// Runs the simulation for `seconds`, to the nearest control tick.
+    fn advance(&self, py: Python<'_>, seconds: Given) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks = self.0.with(py, |session| {
-            session.bench_mut().set_trace(trace);
+        let ticks = self.session.with(py, |session| {
             (seconds * f64::from(session.bench().node().board().tick_rate)).round() as u64
         });
-        self.0.run(py, ticks)
+        self.session.run(py, ticks)
+    }
+
+    /// Names and units of the signals that rows can have.
+    #[staticmethod]
+    fn signals() -> Vec<(&'static str, &'static str)> {
+        SIGNALS.iter().map(|signal| (signal.name, signal.unit)).collect()
+    }
+
+    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of `signals`;
+    /// forgets the rows so far.
+    fn keep_rows(&self, py: Python<'_>, places: Vec<usize>, every: Given) -> PyResult<()> {
+        let every: u32 = error::whole("every", every, "", 1, EVERY_MAX)?;
+        let every = NonZeroU32::new(every).unwrap_or(NonZeroU32::MIN);
+        self.session.with(py, |session| session.bench_mut().set_trace_of(&places, every));
+        Ok(())
+    }
+
+    /// Keeps no rows from now on; forgets those so far.
+    fn keep_no_rows(&self, py: Python<'_>) {
+        self.session.with(py, |session| session.bench_mut().set_trace(false));
     }
 
     /// Returns columns and units, by name, of the rows since the previous call.
     fn take_rows<'py>(&self, py: Python<'py>) -> PyResult<Rows<'py>> {
-        let taken = self.0.with(py, |session| session.bench_mut().take_trace());
+        let taken = self.session.with(py, |session| session.bench_mut().take_trace());
         trace::columns(py, taken)
     }
 
     /// Recording since the drive booted.
     fn recording<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.0.with(py, |session| session.bench().recording()))
+        PyBytes::new(py, &self.session.with(py, |session| session.bench().recording()))
+    }
+
+    /// Returns this bench at power-up as a model of FMI: its file, the file's token, and its variables (value
+    /// reference, name, unit, causality, kind, first value).
+    fn fmu(&self) -> Model {
+        let file = fmu::written(&self.config);
+        let token = fmu::token(&file);
+        let variables = fmu::variables(&self.config).into_iter().map(|variable| {
+            let Variable { reference, name, unit, causality, kind, start } = variable;
+            (reference, name, unit, words(&causality), words(&kind), start)
+        });
+        (file, token, variables.collect())
     }
 
     /// Returns a copy of the bench as it stands.
     fn copy(&self, py: Python<'_>) -> Self {
-        Self(self.0.copy(py))
-    }
-
-    /// Largest temperature of the winding so far, degrees Celsius, and its time, s.
-    #[getter]
-    fn hottest(&self, py: Python<'_>) -> (f64, f64) {
-        self.0.hottest(py)
+        Self { session: self.session.copy(py), config: self.config.clone(), winding_max: self.winding_max }
     }
 
     /// Injects a fault, or removes it (`active` false). `fault` is a name of `faults`.
@@ -126,7 +170,7 @@ impl Bench {
         let high = error::flag("high", high)?;
         let value = if active { value } else { Some(Injection::some_value(fault).into()) };
         let injection = injection(py, fault, value, phase, high)?;
-        self.0.with(py, |session| {
+        self.session.with(py, |session| {
             let plant = session.bench_mut().plant_mut();
             if active { plant.inject(injection) } else { plant.clear(injection) }
         });
@@ -141,13 +185,13 @@ impl Bench {
 
     /// Removes all faults.
     fn clear_faults(&self, py: Python<'_>) {
-        self.0.with(py, |session| session.bench_mut().plant_mut().clear_all());
+        self.session.with(py, |session| session.bench_mut().plant_mut().clear_all());
     }
 
     /// Replaces the load.
     fn set_load(&self, py: Python<'_>, load: &Load) {
         let config = load.config();
-        self.0.with(py, |session| session.bench_mut().plant_mut().set_load(config));
+        self.session.with(py, |session| session.bench_mut().plant_mut().set_load(config));
     }
 
     /// Changes the supply; what is not given stays. voltage: V. resistance: ohm. may_sink: takes current
@@ -166,7 +210,7 @@ impl Bench {
             .map(|ohms| error::within("resistance", ohms, "ohm", 0.0, RESISTANCE_MAX))
             .transpose()?;
         let may_sink = may_sink.map(|value| error::flag("may_sink", value)).transpose()?;
-        self.0.with(py, |session| {
+        self.session.with(py, |session| {
             let plant = session.bench_mut().plant_mut();
             let mut supply = plant.config().supply;
             supply.voltage = voltage.unwrap_or(supply.voltage);
@@ -181,7 +225,7 @@ impl Bench {
     fn set_input(&self, py: Python<'_>, input: Given, value: Given) -> PyResult<()> {
         let value = error::finite("value", value, "")?;
         let input = error::choice("input", input, &Input::ALL.map(|input| (input.name(), input)))?;
-        let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
+        let set = self.session.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
         set.map_err(|refused| error::parameter(format!("input {value}: {refused}")))
     }
 
@@ -202,7 +246,7 @@ impl Bench {
         measuring_range: Given,
     ) -> PyResult<()> {
         let config = tx_driver::config(node_id, channels, encoder, measuring_range)?;
-        self.0
+        self.session
             .with(py, |session| {
                 let bench = session.bench_mut();
                 let node = config.configuration.node();
@@ -225,15 +269,8 @@ impl Bench {
         timeout: Given,
     ) -> PyResult<TxMaster> {
         let master = TxMaster::with_station(node_id, channels, timeout)?;
-        self.0.seat(py, &master.station());
+        self.session.seat(py, &master.station());
         Ok(master)
-    }
-
-    /// Removes the rows so far.
-    fn drop_rows(&self, py: Python<'_>) {
-        self.0.with(py, |session| {
-            session.bench_mut().take_trace();
-        });
     }
 }
 

@@ -43,11 +43,11 @@ impl LogReader {
         Ok(Self(Mutex::new(CanLog::new(Config { ends, encoders }))))
     }
 
-    /// Reads a log of can-utils, on `threads` threads or on every processor.
+    /// Reads the next part of a log of can-utils, cut anywhere, on `threads` threads or on every processor.
     #[pyo3(signature = (text, threads=None))]
     fn candump(&self, py: Python<'_>, text: &[u8], threads: Option<usize>) {
         let threads = threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
-        py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).read_candump(text, threads));
+        py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).feed_candump(text, threads));
     }
 
     /// Takes frames in the order of their log.
@@ -62,6 +62,7 @@ impl LogReader {
     /// Returns the result; the columns move into numpy, and the reader is empty afterwards.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Read<'py>> {
         let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        log.end_candump();
         let CanLog { frames, tables, errors, lines, .. } = log.take();
         drop(log);
         let columns = PyDict::new(py);

@@ -4,6 +4,7 @@ use crate::bench::{self, Run};
 use crate::error::{self, Given};
 use crate::master;
 use crate::motor::{Load, Motor};
+use crate::notes;
 use narx_host::parallel;
 use narx_sim::experiment::{FIGURES, Figures, Outcome, Value};
 use pyo3::prelude::*;
@@ -13,7 +14,11 @@ use std::sync::atomic::Ordering;
 
 /// A bench that powers up, gets a request for a speed and runs.
 #[pyclass(module = "narx._core", frozen)]
-pub(crate) struct Experiment(narx_sim::experiment::Experiment);
+pub(crate) struct Experiment {
+    experiment: narx_sim::experiment::Experiment,
+    /// Largest temperature that the winding may have, degrees Celsius.
+    winding_max: f64,
+}
 
 #[pymethods]
 impl Experiment {
@@ -47,12 +52,13 @@ impl Experiment {
         session.commission().map_err(error::parameter)?;
         let fault_time = error::magnitude("fault_time", fault_time, "s")?;
         let injection = |name| bench::injection(py, name, fault_value, fault_phase, fault_high);
-        Ok(Self(narx_sim::experiment::Experiment {
+        let experiment = narx_sim::experiment::Experiment {
             session,
             rpm: rpm.map(master::rpm).transpose()?,
             seconds: error::magnitude("seconds", seconds, "s")?,
             fault: fault.map(injection).transpose()?.map(|injection| (injection, fault_time)),
-        }))
+        };
+        Ok(Self { experiment, winding_max: motor.max_winding_temperature() })
     }
 
     /// Runs the experiment; returns columns by name, units by name and the recording, since power-up.
@@ -62,7 +68,7 @@ impl Experiment {
             interrupted = Python::attach(|py| py.check_signals());
             interrupted.is_ok()
         };
-        let run = py.detach(|| self.0.run(&mut goes_on)).map_err(error::parameter)?;
+        let run = py.detach(|| self.experiment.run(&mut goes_on)).map_err(error::parameter)?;
         interrupted?;
         let left =
             run.map(|(_, mut session)| (session.bench_mut().take_trace(), session.bench().recording()));
@@ -92,8 +98,9 @@ pub(crate) fn run_experiments(
     tell: Bound<'_, PyAny>,
     threads: Option<usize>,
 ) -> PyResult<()> {
-    let mut jobs: Vec<_> = experiments.iter().map(|experiment| experiment.0.clone()).collect();
-    jobs.iter_mut().for_each(|job| job.session.trace = false);
+    let mut jobs: Vec<_> =
+        experiments.iter().map(|given| (given.experiment.clone(), given.winding_max)).collect();
+    jobs.iter_mut().for_each(|(job, _)| job.session.trace = false);
     let tell = tell.unbind();
     let threads = threads.unwrap_or_else(parallel::threads);
     let mut outcome = Ok(());
@@ -101,7 +108,7 @@ pub(crate) fn run_experiments(
         parallel::for_each(
             &jobs,
             threads,
-            |job, stop| {
+            |(job, winding_max), stop| {
                 let run = || job.run(|| !stop.load(Ordering::Relaxed));
                 // A panic of one experiment must not end the others.
                 let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation failed".into());
@@ -109,14 +116,18 @@ pub(crate) fn run_experiments(
                 Ok::<_, String>(run.map(|(figures, mut session)| {
                     let accepted = session.master().report().accepted_speed.map(|received| received.value);
                     let accepted = accepted.filter(|_| figures.attempts > 0);
-                    (figures, accepted, job.rpm.is_some())
+                    let notes = notes::notes(session.commissioning()).into_iter();
+                    let time = session.bench().time();
+                    let notes = notes.chain(notes::winding(figures.winding_temperature, time, *winding_max));
+                    (figures, accepted, job.rpm.is_some(), notes.collect::<Vec<_>>().join("; "))
                 }))
             },
             |finished| {
                 outcome = Python::attach(|py| {
                     match finished {
-                        Some((index, Ok(Some((figures, accepted, requested))))) => {
+                        Some((index, Ok(Some((figures, accepted, requested, notes))))) => {
                             let figures = dictionary(py, &figures, accepted, requested)?;
+                            figures.set_item("notes", notes)?;
                             drop(tell.call1(py, (index, figures))?)
                         }
                         Some((index, Err(reason))) => drop(tell.call1(py, (index, reason))?),

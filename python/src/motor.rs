@@ -251,7 +251,7 @@ impl Motor {
 
     /// Largest temperature of the winding, degrees Celsius.
     #[getter]
-    fn max_winding_temperature(&self) -> f64 {
+    pub(crate) fn max_winding_temperature(&self) -> f64 {
         self.max_winding_temperature
     }
 
@@ -466,7 +466,7 @@ pub(crate) fn restore_motor(
 /// Largest temperature of a winding that names none, that of insulation class F (IEC 60085), degrees Celsius.
 const WINDING_MAX: f64 = 155.0;
 /// Largest figure of a load or a friction, in SI units: it holds every motor of this drive.
-const LOAD_MAX: f64 = 1000.0;
+const LOAD_MAX: f64 = LoadConfig::MAX;
 
 /// A load on the shaft. constant, viscous and quadratic oppose the motion.
 ///

@@ -12,6 +12,16 @@ pub(crate) fn notes(commissioning: &Commissioning) -> Vec<String> {
     own.chain(torque(commissioning)).chain(speed(commissioning)).collect()
 }
 
+/// Returns the note of a winding that was hotter than it may be. temperature, max: degrees Celsius. time: s.
+pub(crate) fn winding(temperature: f64, time: f64, max: f64) -> Option<String> {
+    (temperature > max).then(|| {
+        format!(
+            "the winding has reached {temperature:.0} degrees Celsius at {time:.1} s, and may have {max:.0}: this motor would \
+             be damaged"
+        )
+    })
+}
+
 /// Limits of the drive that allow less torque than the motor's rated current, with the speeds where they do.
 fn torque(commissioning: &Commissioning) -> impl Iterator<Item = String> {
     let limits = [TorqueLimit::PhaseCurrent, TorqueLimit::Power, TorqueLimit::BusCurrent];

@@ -32,7 +32,6 @@ use crate::flash::{Flash, Sparse};
 use crate::internal_flash::InternalFlash;
 use crate::plant::{Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
-use crate::trace::Trace;
 #[cfg(feature = "tx-drivers")]
 use crate::tx_driver::TxDrivers;
 use alloc::string::String;
@@ -47,6 +46,7 @@ use narx_core::recording::{Header, Kind, Recorder};
 use narx_core::storage::{FlashReply, FlashTask};
 use scope_memory::ScopeMemory;
 use seen::Seen;
+use signals::Kept;
 #[cfg(feature = "update")]
 use slots::Slots;
 
@@ -109,7 +109,7 @@ pub struct Bench {
     inputs_every: u64,
     tick_rate: u64,
     pole_pairs: f64,
-    trace: Option<Trace>,
+    kept: Option<Kept>,
     command: PwmCommand,
     hall: u8,
     /// Record from the next boot on.
@@ -162,7 +162,7 @@ impl Bench {
             inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
             tick_rate: board.tick_rate.max(1).into(),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
-            trace: config.trace.then(|| Trace::new(&SIGNALS)),
+            kept: config.trace.then(Kept::all),
             command: PwmCommand::default(),
             hall: 0,
             record: true,

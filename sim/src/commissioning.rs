@@ -22,6 +22,7 @@ pub use torque::{TorqueLimit, TorquePoint};
 
 /// Which control mode to enable (Table 6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// Hall closed loop.
     Hall,

@@ -45,6 +45,7 @@ impl core::error::Error for PwmRateError {}
 
 /// Configuration of a session: the bench, and the set-up of the drive.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SessionConfig {
     /// The motor.
     pub motor: MotorConfig,
@@ -54,6 +55,7 @@ pub struct SessionConfig {
     /// finds it.
     pub speed_max: Option<f64>,
     /// Board of the drive: see [`board_at`].
+    #[cfg_attr(feature = "serde", serde(rename = "pwm_rate", with = "pwm_rate"))]
     pub board: Board,
     /// Load that the motor drives.
     pub load: LoadConfig,
@@ -139,6 +141,22 @@ impl SessionConfig {
             trace: self.trace,
         });
         Ok((bench, commissioning))
+    }
+}
+
+/// The board, written as its PWM rate, Hz.
+#[cfg(feature = "serde")]
+mod pwm_rate {
+    use super::{Board, PwmRateError, board_at};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(board: &Board, to: S) -> Result<S::Ok, S::Error> {
+        board.tick_rate.serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Board, D::Error> {
+        board_at(u32::deserialize(from)?).ok_or_else(|| D::Error::custom(PwmRateError))
     }
 }
 

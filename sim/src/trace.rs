@@ -116,6 +116,13 @@ impl Trace {
         Ok(())
     }
 
+    /// Returns the rows so far, and has none afterwards.
+    #[must_use]
+    pub fn take(&mut self) -> Self {
+        let empty = Self::new(&self.signals);
+        core::mem::replace(self, empty)
+    }
+
     /// The signals in order.
     pub fn signals(&self) -> &[Signal] {
         &self.signals

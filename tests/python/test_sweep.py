@@ -178,6 +178,15 @@ def test_a_set_point_that_the_drive_clamps_is_an_outcome() -> None:
     assert swept.units["accepted"] == "rpm"
 
 
+def test_rows_have_the_notes_of_their_benches() -> None:
+    hot = narx.Motor.preset("ec45-flat-50w-18v").replace(thermal_resistance=1000.0, thermal_time=0.5)
+    points = [("bly172s-24v", 24.0, 0.0), (hot, 18.0, 0.08)]
+    swept = narx.sweep([{"motor": motor, "supply_voltage": volts, "load_constant": load, "mode": "hall"} for motor, volts, load in points])
+    assert swept["notes"][0] == "; ".join(narx.Bench("bly172s-24v", 24.0, mode="hall").notes) and "speed is limited to" in swept["notes"][0]
+    assert "the winding has reached" in swept["notes"][1] and "this motor would be damaged" in swept["notes"][1]
+    assert swept["winding_temperature"][1] > hot.max_winding_temperature
+
+
 def test_a_function_that_ends_the_program_ends_its_own_variant() -> None:
     swept = narx.sweep(lambda variant: sys.exit(3) if variant.index == 1 else variant.index, grid={"a": range(3)})
     assert swept["outcome"].tolist() == ["ok", "error", "ok"] and swept["error"][1] == "SystemExit: 3"

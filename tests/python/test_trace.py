@@ -1,6 +1,7 @@
 """Traces are numpy arrays with names and units."""
 
 import importlib.metadata
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -217,3 +218,20 @@ def test_the_first_lines_of_a_page_need_no_extra(page: str, tmp_path: Path, monk
     code = "\n".join(line.removeprefix("    ") for line in lines[:end])
     assert "bench.run(1.0)" in code
     exec(compile(code, page, "exec"), {})  # noqa: S102
+
+
+def members(file: str, name: str) -> dict[str, int]:
+    """Returns the members of an enumeration of the core, from its source."""
+    source = (Path(__file__).parents[2] / "core/src/motor" / file).read_text(encoding="utf-8")
+    found = re.search(rf"pub enum {name} \{{(.*?)\n\}}", source, re.S)
+    assert found is not None
+    rows = re.findall(r"^    (\w+) = (\d+),$", found[1], re.M)
+    return {re.sub(r"(?<!^)(?=[A-Z])", "_", member).upper(): int(number) for member, number in rows}
+
+
+def test_enumerations_are_those_of_the_core() -> None:
+    limiters = members("control/limits.rs", "Limiter")
+    assert limiters == {member.name: member.value for member in narx.Limiter} and len(limiters) == 11
+    # The core has other words for the outcomes of a crossing.
+    outcomes = members("rotor/zero_crossing.rs", "Why")
+    assert list(outcomes.values()) == [member.value for member in narx.Crossing] and outcomes["ACCEPTED"] == narx.Crossing.ACCEPTED

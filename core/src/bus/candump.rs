@@ -82,6 +82,7 @@ impl<'a> Line<'a> {
     ///
     /// # Errors
     /// The first part of the line that breaks the format.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn parse(line: &'a [u8]) -> Result<Option<Self>, ParseError> {
         let line = line.trim_ascii();
         if line.is_empty() {
@@ -106,6 +107,7 @@ impl<'a> Line<'a> {
 }
 
 impl<'a> Content<'a> {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn parse(text: &'a [u8]) -> Result<Self, ParseError> {
         let divided = text.iter().position(|byte| *byte == b'#').and_then(|at| text.split_at_checked(at));
         let Some((digits, [_, data @ ..])) = divided else { return Err(ParseError::Separator) };
@@ -129,8 +131,7 @@ impl<'a> Content<'a> {
                 Frame::remote(id, dlc - b'0').map(Self::Frame).ok_or(ParseError::Length)
             }
             data => {
-                let mut bytes = [0; 8];
-                let length = decode(data, &mut bytes)?;
+                let (bytes, length) = decode(data)?;
                 Ok(Self::Frame(Frame::short(id, bytes, length)))
             }
         }
@@ -192,10 +193,34 @@ impl fmt::Display for Written<'_> {
 }
 
 /// The first word, and what follows the blanks after it.
+#[inline]
 fn word(text: &[u8]) -> (&[u8], &[u8]) {
-    let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
-    let (word, rest) = text.split_at_checked(end).unwrap_or((text, &[]));
-    (word, rest.trim_ascii_start())
+    let (word, rest) = text.split_at_checked(first_blank(text)).unwrap_or((text, &[]));
+    match rest {
+        // Almost always there is one blank.
+        [b' ', behind @ ..] if behind.first().is_some_and(u8::is_ascii_graphic) => (word, behind),
+        rest => (word, rest.trim_ascii_start()),
+    }
+}
+
+/// The place of the first blank, or the length.
+#[inline]
+fn first_blank(text: &[u8]) -> usize {
+    let (eights, _) = text.as_chunks();
+    let mut begin = 0;
+    for eight in eights {
+        let bytes = u64::from_le_bytes(*eight);
+        // The lowest bit that is left is that of the first byte below 21h; bits above may be borrowed ones.
+        let low = bytes.wrapping_sub(ONES * 0x21) & !bytes & TOPS;
+        if low != 0 {
+            begin += (low.trailing_zeros() / 8) as usize;
+            break;
+        }
+        begin += 8;
+    }
+    // From there byte by byte: the last ones are less than eight, and a control character is no blank.
+    let rest = text.get(begin..).unwrap_or_default();
+    begin + rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len())
 }
 
 /// Parses a time, s, rounded to the nearest `f64`.
@@ -209,27 +234,76 @@ fn seconds(text: &[u8]) -> Option<f64> {
 /// Parses digits with or without a point, up to 2^53 when the point is removed: one division of two exact
 /// numbers then rounds once, and correctly.
 fn plain_seconds(text: &[u8]) -> Option<f64> {
-    const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
+    const POWERS: [u64; 10] =
+        [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
     if text.len() > 18 {
         return None;
     }
-    let mut number = 0_u64;
-    let mut decimals = None;
-    for byte in text {
-        match byte.wrapping_sub(b'0') {
-            digit @ 0..=9 => {
-                number = number.wrapping_mul(10).wrapping_add(digit.into());
-                decimals = decimals.map(|decimals: usize| decimals + 1);
-            }
-            _ if *byte == b'.' && decimals.is_none() && number > 0 => decimals = Some(0),
-            _ => return None,
-        }
-    }
-    let exact = number > 0 && number <= 1 << 53;
-    exact.then_some(number as f64 / POWERS.get(decimals.unwrap_or(0))?)
+    let (whole, fraction) = match text.iter().position(|byte| *byte == b'.') {
+        Some(point) => text.split_at_checked(point)?,
+        None => (text, [].as_slice()),
+    };
+    let fraction = fraction.get(1..).unwrap_or_default();
+    let power = *POWERS.get(fraction.len())?;
+    // Two numbers that do not wait for each other.
+    let number = decimal(whole)?.wrapping_mul(power).wrapping_add(decimal(fraction)?);
+    let exact = !whole.is_empty() && number > 0 && number <= 1 << 53;
+    exact.then_some(number as f64 / power as f64)
 }
 
+/// The number that up to 18 digits make, eight at a time.
+fn decimal(digits: &[u8]) -> Option<u64> {
+    let (eights, rest) = digits.as_chunks();
+    let mut number = 0_u64;
+    for eight in eights {
+        number = number.wrapping_mul(100_000_000).wrapping_add(eight_digits(*eight)?);
+    }
+    for byte in rest {
+        let digit @ 0..=9 = byte.wrapping_sub(b'0') else { return None };
+        number = number.wrapping_mul(10).wrapping_add(digit.into());
+    }
+    Some(number)
+}
+
+/// Every byte 1.
+const ONES: u64 = u64::MAX / 0xFF;
+/// The highest bit of every byte.
+const TOPS: u64 = ONES << 7;
+
+/// The number that eight decimal digits make.
+fn eight_digits(text: [u8; 8]) -> Option<u64> {
+    // A digit is 0 to 9 in its byte: that, and that plus 118, have no highest bit.
+    let digits = u64::from_le_bytes(text) ^ ONES * 0x30;
+    if (digits | digits.wrapping_add(ONES * 118)) & TOPS != 0 {
+        return None;
+    }
+    // Neighbours are joined: two digits in each of four places, then four in two, then eight.
+    let twos = digits.wrapping_mul(10).wrapping_add(digits >> 8) & 0x00FF_00FF_00FF_00FF;
+    let fours = twos.wrapping_mul(100).wrapping_add(twos >> 16) & 0x0000_FFFF_0000_FFFF;
+    Some(fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xFFFF_FFFF)
+}
+
+/// The four bytes that eight hexadecimal digits make.
+fn four_bytes(text: [u8; 8]) -> Option<[u8; 4]> {
+    let text = u64::from_le_bytes(text);
+    // 0 to 9 of a decimal digit, 1 to 6 of a letter, whose bit 6 is set.
+    let (digit, letter) = (text ^ ONES * 0x30, (text | ONES * 0x20) ^ ONES * 0x60);
+    let no_digit = digit.wrapping_add(ONES * 118);
+    let no_letter = letter.wrapping_add(ONES * 121) | !letter.wrapping_add(ONES * 127);
+    if (text | no_digit & no_letter) & TOPS != 0 {
+        return None;
+    }
+    let halves = (text & ONES * 0x0F) + (text >> 6 & ONES) * 9;
+    let bytes = (halves << 4 | halves >> 8) & 0x00FF_00FF_00FF_00FF;
+    let pairs = (bytes | bytes >> 8) & 0x0000_FFFF_0000_FFFF;
+    Some(((pairs | pairs >> 16) as u32).to_le_bytes())
+}
+
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 fn identifier(digits: &[u8]) -> Option<u32> {
+    if let Ok(eight) = <[u8; 8]>::try_from(digits) {
+        return four_bytes(eight).map(u32::from_be_bytes);
+    }
     let (mut raw, mut all) = (0, 0);
     for byte in digits {
         let value = value(*byte);
@@ -239,24 +313,30 @@ fn identifier(digits: &[u8]) -> Option<u32> {
     (matches!(digits.len(), 1..=8) && all < 16).then_some(raw)
 }
 
-/// Decodes pairs of digits into `bytes`; returns their number.
-fn decode(digits: &[u8], bytes: &mut [u8; 8]) -> Result<u8, ParseError> {
-    let pairs = digits.chunks_exact(2);
-    if !pairs.remainder().is_empty() {
+/// Decodes up to eight pairs of digits; returns the bytes and their number.
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+fn decode(digits: &[u8]) -> Result<([u8; 8], u8), ParseError> {
+    if !digits.len().is_multiple_of(2) {
         return Err(ParseError::Data);
     }
-    if pairs.len() > bytes.len() {
+    if digits.len() > 16 {
         return Err(ParseError::Length);
     }
-    let mut all = 0;
-    for (byte, pair) in bytes.iter_mut().zip(pairs) {
-        if let &[high, low] = pair {
-            let (high, low) = (value(high), value(low));
-            all |= high | low;
-            *byte = high << 4 | low;
-        }
+    // In a register: bytes that are stored one by one and read at once cost as much as all of their decoding.
+    let (mut bytes, mut shift) = (0, 0);
+    let (eights, rest) = digits.as_chunks();
+    for eight in eights {
+        let four = four_bytes(*eight).ok_or(ParseError::Data)?;
+        bytes |= u64::from(u32::from_le_bytes(four)) << shift;
+        shift += 32;
     }
-    if all < 16 { Ok((digits.len() / 2) as u8) } else { Err(ParseError::Data) }
+    for pair in rest.as_chunks().0 {
+        let [high, low] = pair.map(digit);
+        let byte = high.zip(low).map(|(high, low)| high << 4 | low).ok_or(ParseError::Data)?;
+        bytes |= u64::from(byte) << shift;
+        shift += 8;
+    }
+    Ok((bytes.to_le_bytes(), (digits.len() / 2) as u8))
 }
 
 /// The value of a hexadecimal digit.

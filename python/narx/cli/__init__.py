@@ -8,7 +8,7 @@ import warnings
 from typing import TextIO
 
 import narx
-from narx.cli import bench, coefficients, decode, live, log, motor, params, replay, scope, serve, sweep, update  # noqa: F401
+from narx.cli import bench, coefficients, decode, fmu, live, log, motor, params, replay, scope, serve, sweep, update  # noqa: F401
 from narx.cli.app import app, err
 
 

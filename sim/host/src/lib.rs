@@ -6,6 +6,8 @@
 pub mod can_log;
 #[cfg(feature = "simulator")]
 pub mod csv;
+#[cfg(feature = "fmu")]
+pub mod fmu;
 pub mod parallel;
 #[cfg(feature = "simulator")]
 pub mod serve;

@@ -1,124 +1,192 @@
 //! Trace of a bench: its signals, tick by tick.
 
 use super::Bench;
-use crate::plant::Observation;
+use crate::plant::{Observation, Plant, ShaftState};
 use crate::trace::{Signal, Trace};
+use alloc::vec::Vec;
+use core::cell::OnceCell;
+use core::num::NonZeroU32;
 use narx_core::dictionary::number;
-use narx_core::motor::PwmCommand;
+use narx_core::motor::Drive;
 use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Electrical degrees of a margin of 1 (u16 turn).
 const DEGREES: f64 = 360.0 / 65_536.0;
 
-/// Signals of a bench's trace: the fixed columns of `run.csv` first.
-pub const SIGNALS: [Signal; 28] = [
-    Signal::double("time", "s"),
-    Signal::single("setpoint", "rpm"),
-    Signal::single("speed", "rpm"),
-    Signal::single("speed_estimated", "rpm"),
-    Signal::single("state", ""),
-    Signal::single("sector", ""),
-    Signal::single("duty", ""),
-    Signal::single("current_a", "A"),
-    Signal::single("current_b", "A"),
-    Signal::single("current_c", "A"),
-    Signal::single("bus_current", "A"),
-    Signal::single("bus_voltage", "V"),
-    Signal::single("torque", "N m"),
-    Signal::single("voltage_a", "V"),
-    Signal::single("voltage_b", "V"),
-    Signal::single("voltage_c", "V"),
-    Signal::single("angle", "deg"),
-    Signal::single("hall", ""),
-    Signal::single("step", ""),
-    Signal::single("limiter", ""),
-    Signal::double("faults", ""),
-    Signal::double("position", "rad"),
-    Signal::double("energy_in", "J"),
-    Signal::double("energy_shaft", "J"),
-    Signal::single("winding_temperature", "degC"),
-    Signal::single("peak_current", "A"),
-    Signal::single("crossing", ""),
-    Signal::single("crossing_margin", "deg"),
+/// Number of signals.
+const COUNT: usize = 28;
+/// Computes a signal's value.
+type Value = fn(&Tick<'_>) -> f64;
+
+/// Signals of a bench's trace, and how each is computed: the fixed columns of `run.csv` first.
+const TABLE: [(Signal, Value); COUNT] = [
+    (Signal::double("time", "s"), |tick| tick.plant.time()),
+    (Signal::single("setpoint", "rpm"), |tick| tick.bench.rpm(tick.bench.status().setpoint)),
+    (Signal::single("speed", "rpm"), |tick| tick.shaft().speed * 60.0 / core::f64::consts::TAU),
+    (Signal::single("speed_estimated", "rpm"), |tick| tick.bench.rpm(tick.bench.estimated())),
+    (Signal::single("state", ""), |tick| f64::from(tick.drive().state() as u8)),
+    (Signal::single("sector", ""), |tick| {
+        f64::from(sector_of(ElectricalAngle((tick.turn() * 65_536.0) as u16)))
+    }),
+    (Signal::single("duty", ""), |tick| f64::from(tick.bench.command.duty.to_bits()) / 32_768.0),
+    (Signal::single("current_a", "A"), |tick| tick.plant.current()[0]),
+    (Signal::single("current_b", "A"), |tick| tick.plant.current()[1]),
+    (Signal::single("current_c", "A"), |tick| tick.plant.current()[2]),
+    (Signal::single("bus_current", "A"), |tick| tick.plant.bus_current()),
+    (Signal::single("bus_voltage", "V"), |tick| tick.plant.bus_voltage()),
+    (Signal::single("torque", "N m"), |tick| tick.plant.torque()),
+    (Signal::single("voltage_a", "V"), |tick| tick.seen().terminal[0]),
+    (Signal::single("voltage_b", "V"), |tick| tick.seen().terminal[1]),
+    (Signal::single("voltage_c", "V"), |tick| tick.seen().terminal[2]),
+    (Signal::single("angle", "deg"), |tick| tick.turn() * 360.0),
+    (Signal::single("hall", ""), |tick| f64::from(tick.bench.hall)),
+    (Signal::single("step", ""), |tick| f64::from(tick.bench.command.step as u8)),
+    (Signal::single("limiter", ""), |tick| f64::from(tick.drive().limiter() as u8)),
+    (Signal::double("faults", ""), |tick| f64::from(tick.bench.status().faults.bits())),
+    (Signal::double("position", "rad"), |tick| tick.shaft().angle),
+    (Signal::double("energy_in", "J"), |tick| tick.seen().ledger.source),
+    (Signal::double("energy_shaft", "J"), |tick| tick.seen().ledger.shaft),
+    (Signal::single("winding_temperature", "degC"), |tick| tick.plant.winding_temperature()),
+    (Signal::single("peak_current", "A"), |tick| tick.plant.peak_current()),
+    (Signal::single("crossing", ""), |tick| f64::from(tick.drive().crossing().0 as u8)),
+    (Signal::single("crossing_margin", "deg"), |tick| f64::from(tick.drive().crossing().1) * DEGREES),
 ];
 
-impl Bench {
-    /// Keeps rows from now on, or forgets those so far and keeps none.
-    pub fn set_trace(&mut self, keep: bool) {
-        let kept = self.trace.take();
-        self.trace = keep.then(|| kept.unwrap_or_else(|| Trace::new(&SIGNALS)));
+/// Signals of a bench's trace, in the order of its columns.
+pub const SIGNALS: [Signal; COUNT] = {
+    let mut signals = [TABLE[0].0; COUNT];
+    let mut place = 0;
+    while place < COUNT {
+        signals[place] = TABLE[place].0;
+        place += 1;
+    }
+    signals
+};
+
+/// A control tick that has ended. What several signals share is computed once, and only if one of them is
+/// kept.
+struct Tick<'a> {
+    bench: &'a Bench,
+    plant: &'a Plant,
+    shaft: OnceCell<ShaftState>,
+    seen: OnceCell<Observation>,
+}
+
+impl<'a> Tick<'a> {
+    fn new(bench: &'a Bench) -> Self {
+        Self { bench, plant: &bench.plant, shaft: OnceCell::new(), seen: OnceCell::new() }
     }
 
-    /// One row per tick so far; empty if the bench keeps none.
+    fn drive(&self) -> &Drive {
+        self.bench.device.drive()
+    }
+
+    fn shaft(&self) -> &ShaftState {
+        self.shaft.get_or_init(|| self.plant.shaft())
+    }
+
+    fn seen(&self) -> &Observation {
+        self.seen.get_or_init(|| self.plant.observe())
+    }
+
+    /// Electrical angle, turns from 0 to 1.
+    fn turn(&self) -> f64 {
+        let turns = self.shaft().electrical_turns;
+        turns - libm::floor(turns)
+    }
+}
+
+/// Rows that a bench keeps.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    trace: Trace,
+    values: Vec<Value>,
+    /// One row of this many ticks is kept.
+    every: u32,
+    /// Ticks to the next row.
+    left: u32,
+}
+
+impl Kept {
+    /// Every signal in every tick.
+    pub(super) fn all() -> Self {
+        Self::of(&core::array::from_fn::<_, COUNT, _>(|place| place), NonZeroU32::MIN)
+    }
+
+    /// The signals at these places of [`SIGNALS`], in one of `every` ticks; a place that does not exist is
+    /// left out.
+    fn of(places: &[usize], every: NonZeroU32) -> Self {
+        let (signals, values): (Vec<Signal>, Vec<Value>) =
+            places.iter().filter_map(|place| TABLE.get(*place).copied()).unzip();
+        Self { trace: Trace::new(&signals), values, every: every.get(), left: every.get() }
+    }
+
+    /// Returns whether the tick that has just ended has a row.
+    const fn is_due(&mut self) -> bool {
+        self.left -= 1;
+        if self.left > 0 {
+            return false;
+        }
+        self.left = self.every;
+        true
+    }
+}
+
+impl Bench {
+    /// Keeps rows of all signals from now on, or forgets those so far and keeps none.
+    pub fn set_trace(&mut self, keep: bool) {
+        let kept = self.kept.take();
+        self.kept = keep.then(|| kept.unwrap_or_else(Kept::all));
+    }
+
+    /// Keeps a row of one in `every` ticks from now on, with the signals at these places of [`SIGNALS`];
+    /// forgets the rows so far. The fewer signals, the faster: what none of them needs is not computed.
+    pub fn set_trace_of(&mut self, places: &[usize], every: NonZeroU32) {
+        self.kept = Some(Kept::of(places, every));
+    }
+
+    /// The rows so far; empty if the bench keeps none.
     pub fn trace(&self) -> Trace {
-        self.trace.clone().unwrap_or_else(|| Trace::new(&SIGNALS))
+        self.kept.as_ref().map_or_else(|| Trace::new(&SIGNALS), |kept| kept.trace.clone())
     }
 
     /// The rows since the last call, or since power-up; empty if the bench keeps none.
     pub fn take_trace(&mut self) -> Trace {
-        let empty = Trace::new(&SIGNALS);
-        self.trace.as_mut().map_or_else(|| empty.clone(), |trace| core::mem::replace(trace, empty.clone()))
+        self.kept.as_mut().map_or_else(|| Trace::new(&SIGNALS), |kept| kept.trace.take())
     }
 
     /// The present value of every signal, in the order of [`SIGNALS`].
-    pub fn values(&self) -> [f64; SIGNALS.len()] {
-        self.row(&self.plant.observe(), &self.command, self.hall)
+    pub fn values(&self) -> [f64; COUNT] {
+        let tick = Tick::new(self);
+        TABLE.map(|(_, value)| value(&tick))
     }
 
     fn rpm(&self, speed: ElectricalSpeed) -> f64 {
         f64::from(speed.to_bits()) / 65_536.0 * 60.0 / self.pole_pairs
     }
 
-    pub(super) fn keep(&mut self) {
-        if self.trace.is_none() {
-            return;
-        }
-        let row = self.values();
-        if let Some(trace) = &mut self.trace {
-            // As many values as signals: both stand in this file.
-            let _ = trace.push(&row);
-        }
+    /// Speed that the drive estimates, of hall sensors or back-EMF.
+    fn estimated(&self) -> ElectricalSpeed {
+        let status = self.status();
+        let is_hall = self.node().parameters().raw(number::HALL_ENABLE) == 1;
+        if is_hall { status.speed_hall } else { status.speed_sensorless }
     }
 
-    fn row(&self, seen: &Observation, command: &PwmCommand, hall: u8) -> [f64; SIGNALS.len()] {
-        let status = self.node().status();
-        let (crossing, margin, _) = self.device.drive().crossing();
-        let turns = seen.electrical_turns - libm::floor(seen.electrical_turns);
-        let estimated = if self.node().parameters().raw(number::HALL_ENABLE) == 1 {
-            status.speed_hall
-        } else {
-            status.speed_sensorless
-        };
-        [
-            seen.time,
-            self.rpm(status.setpoint),
-            seen.speed * 60.0 / core::f64::consts::TAU,
-            self.rpm(estimated),
-            f64::from(self.device.drive().state() as u8),
-            f64::from(sector_of(ElectricalAngle((turns * 65_536.0) as u16))),
-            f64::from(command.duty.to_bits()) / 32_768.0,
-            seen.current[0],
-            seen.current[1],
-            seen.current[2],
-            seen.bus_current,
-            seen.bus_voltage,
-            seen.torque,
-            seen.terminal[0],
-            seen.terminal[1],
-            seen.terminal[2],
-            turns * 360.0,
-            f64::from(hall),
-            f64::from(command.step as u8),
-            f64::from(self.device.drive().limiter() as u8),
-            f64::from(status.faults.bits()),
-            seen.angle,
-            seen.ledger.source,
-            seen.ledger.shaft,
-            seen.winding_temperature,
-            seen.peak_current,
-            f64::from(crossing as u8),
-            f64::from(margin) * DEGREES,
-        ]
+    pub(super) fn keep(&mut self) {
+        if !self.kept.as_mut().is_some_and(Kept::is_due) {
+            return;
+        }
+        let mut row = [0.0; COUNT];
+        let Some(kept) = &self.kept else { return };
+        let tick = Tick::new(self);
+        let count = kept.values.len();
+        for (place, value) in row.iter_mut().zip(&kept.values) {
+            *place = value(&tick);
+        }
+        if let Some(kept) = &mut self.kept {
+            // As many values as signals: both were made together.
+            let _ = kept.trace.push(&row[..count]);
+        }
     }
 }

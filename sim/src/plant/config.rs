@@ -57,6 +57,7 @@ impl PlantConfig {
 
 /// Shape of the phase back-EMF against the electrical angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BackEmf {
     /// Straight flanks and a flat top of this many electrical degrees, above 0 and below 180.
     Trapezoidal {
@@ -69,6 +70,7 @@ pub enum BackEmf {
 
 /// A star-connected three-phase motor with equal phases, its data at 25 degrees Celsius.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotorConfig {
     /// Pole pairs, 1 or more.
     pub pole_pairs: u8,
@@ -130,6 +132,7 @@ impl Default for MotorConfig {
 /// A load on the shaft. All torques but that of a machine oppose the motion; the constant one also holds at
 /// standstill.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadConfig {
     /// N m, like Coulomb friction.
     pub constant: f64,
@@ -142,6 +145,11 @@ pub struct LoadConfig {
     /// Torque of a machine on the shaft, a dynamometer, N m. It acts against Forward whichever way the shaft
     /// turns, also at standstill; a negative one drives Forward.
     pub machine: f64,
+}
+
+impl LoadConfig {
+    /// Largest figure of a load, in SI units: it holds every motor of this drive.
+    pub const MAX: f64 = 1000.0;
 }
 
 /// The source behind the bus.

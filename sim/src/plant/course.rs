@@ -4,7 +4,7 @@
 use super::INSTANT;
 use super::angle::{Rotation, Sweep, Track};
 use super::emf::{Chord, EmfShape};
-use super::mechanics::{Motion, Push, Shaft};
+use super::mechanics::{Motion, Push, Shaft, Turn};
 use super::segment::Shape;
 use super::stage::Stage;
 use super::wiring::Wiring;
@@ -226,22 +226,38 @@ impl Stage {
         self.shaft.angle + self.course.path * self.shaft.turns_per_radian()
     }
 
-    /// Ends a course where it is: moves the shaft and books what added up.
+    /// Turn of the shaft since the course began.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn arrive(&mut self) {
-        let course = &self.course;
-        let Course { elapsed: h, impulse, moment, path, .. } = *course;
-        if h == 0.0 {
-            return;
-        }
-        let expected = path / h;
-        let turn = self.shaft.turn(&Push {
+    fn turn_so_far(&self) -> Turn {
+        let Course { elapsed: h, impulse, moment, path, .. } = self.course;
+        self.shaft.turn(&Push {
             h,
             per_h: 1.0 / h,
             impulse,
             lead: 0.5 * impulse * h - moment,
-            speed: expected,
-        });
+            speed: path / h,
+        })
+    }
+
+    /// The shaft as it is now; nothing else moves.
+    pub(crate) fn shaft_now(&self) -> Shaft {
+        let mut shaft = self.shaft.clone();
+        if self.course.elapsed != 0.0 {
+            shaft.apply(&self.turn_so_far());
+        }
+        shaft
+    }
+
+    /// Ends a course where it is: moves the shaft and books what added up.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn arrive(&mut self) {
+        let course = &self.course;
+        let Course { elapsed: h, impulse, path, .. } = *course;
+        if h == 0.0 {
+            return;
+        }
+        let expected = path / h;
+        let turn = self.turn_so_far();
         let more = turn.path - path;
         let error = more.abs() / h * self.shape.peak();
         let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();

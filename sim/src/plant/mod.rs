@@ -141,6 +141,17 @@ pub struct Observation {
     pub intervals: u64,
 }
 
+/// Speed and angles of the shaft, as in [`Observation`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShaftState {
+    /// Mechanical speed, rad/s.
+    pub speed: f64,
+    /// Mechanical angle, rad, unwrapped.
+    pub angle: f64,
+    /// Electrical angle, turns, unwrapped.
+    pub electrical_turns: f64,
+}
+
 impl Plant {
     /// A plant at the start of period 0, all switches off.
     pub fn new(config: &PlantConfig) -> Self {
@@ -257,24 +268,66 @@ impl Plant {
             arrived = self.stage.arrived();
             &arrived
         };
-        let [start, before] = self.marks;
         Observation {
-            time: self.tick as f64 * self.period + self.t,
+            time: self.time(),
             speed: stage.shaft.speed,
             angle: stage.shaft.mechanical_angle(),
             electrical_turns: stage.shaft.angle,
-            current: stage.electric.i,
+            current: self.current(),
             terminal: stage.terminals(),
             neutral: stage.neutral(),
-            bus_voltage: stage.electric.v,
-            bus_current: (start.charge - before.charge) / self.period,
-            peak_current: self.peak_current,
-            torque: (start.impulse - before.impulse) / self.period,
-            winding_temperature: self.winding_temperature,
+            bus_voltage: self.bus_voltage(),
+            bus_current: self.bus_current(),
+            peak_current: self.peak_current(),
+            torque: self.torque(),
+            winding_temperature: self.winding_temperature(),
             ledger: Ledger { stored: stage.stored(), ..stage.ledger_now() },
             diode_events: stage.diode_events,
             intervals: stage.intervals,
         }
+    }
+
+    /// Time since the start, s.
+    pub fn time(&self) -> f64 {
+        self.tick as f64 * self.period + self.t
+    }
+
+    /// Phase currents into the motor, A.
+    pub fn current(&self) -> [f64; 3] {
+        self.stage.electric.i
+    }
+
+    /// Bus voltage, V.
+    pub fn bus_voltage(&self) -> f64 {
+        self.stage.electric.v
+    }
+
+    /// Current through the DC-link shunt, mean of the last full period, A.
+    pub fn bus_current(&self) -> f64 {
+        let [start, before] = self.marks;
+        (start.charge - before.charge) / self.period
+    }
+
+    /// Largest magnitude of a phase current during the last full period, ripple included, A.
+    pub fn peak_current(&self) -> f64 {
+        self.peak_current
+    }
+
+    /// Electromagnetic torque without cogging, mean of the last full period, N m.
+    pub fn torque(&self) -> f64 {
+        let [start, before] = self.marks;
+        (start.impulse - before.impulse) / self.period
+    }
+
+    /// Winding temperature, degrees Celsius.
+    pub fn winding_temperature(&self) -> f64 {
+        self.winding_temperature
+    }
+
+    /// Speed and angles of the shaft.
+    pub fn shaft(&self) -> ShaftState {
+        let shaft = self.stage.shaft_now();
+        ShaftState { speed: shaft.speed, angle: shaft.mechanical_angle(), electrical_turns: shaft.angle }
     }
 
     /// Back-EMF of the phases against the star point, V.

@@ -4,6 +4,7 @@ use core::ops::{Index, IndexMut};
 
 /// A phase, a leg or a hall line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Phase {
     /// A.
     A,

@@ -11,14 +11,44 @@ const TOLD: usize = 200;
 const CUT: &str = "the file ends within this line";
 
 impl CanLog {
-    /// Reads the lines of a whole log, on as many threads; their number changes nothing but the time that it
-    /// takes.
-    ///
-    /// A last line without its end is a frame if it reads as one, unless its neighbours show that it was cut:
-    /// it has no direction and the one before has, or fewer bytes than the frame before with its identifier.
+    /// Reads a whole log: [`feed_candump`](Self::feed_candump), [`end_candump`](Self::end_candump).
     pub fn read_candump(&mut self, text: &[u8], threads: usize) {
-        let end = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
-        let (whole, tail) = text.split_at(end);
+        self.feed_candump(text, threads);
+        self.end_candump();
+    }
+
+    /// Reads the next part of a log, cut anywhere, on as many threads; their number and the cuts change
+    /// nothing but the time that it takes.
+    pub fn feed_candump(&mut self, text: &[u8], threads: usize) {
+        let end = memchr::memrchr(b'\n', text).map_or(0, |at| at + 1);
+        let (mut whole, tail) = text.split_at(end);
+        if !whole.is_empty() && !self.tail.is_empty() {
+            // The line that the part before has begun.
+            let (rest, behind) = whole.split_at(memchr::memchr(b'\n', whole).map_or(end, |at| at + 1));
+            let mut line = core::mem::take(&mut self.tail);
+            line.extend_from_slice(rest);
+            self.read_parts(&line, 1);
+            whole = behind;
+        }
+        self.read_parts(whole, threads);
+        self.tail.extend_from_slice(tail);
+    }
+
+    /// Ends a log. A last line without its end is a frame if it reads as one, unless its neighbours show that
+    /// it was cut: it has no direction and the one before has, or fewer bytes than the frame before with its
+    /// identifier.
+    pub fn end_candump(&mut self) {
+        let tail = core::mem::take(&mut self.tail);
+        if self.is_cut(&tail) {
+            self.lines += 1;
+            self.refuse(self.lines, &tail, CUT);
+        } else {
+            self.read_lines(&tail);
+        }
+    }
+
+    /// Reads whole lines.
+    fn read_parts(&mut self, whole: &[u8], threads: usize) {
         let parts = parts(whole, threads);
         let (config, plans) = (self.config, self.plans.clone());
         let read = |part: &[u8]| {
@@ -35,11 +65,10 @@ impl CanLog {
                 self.append(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
             }
         });
-        if self.is_cut(whole, tail) {
-            self.lines += 1;
-            self.refuse(self.lines, tail, CUT);
-        } else {
-            self.read_lines(tail);
+        if let Some(last) =
+            whole.trim_ascii_end().rsplit(|byte| *byte == b'\n').next().filter(|line| !line.is_empty())
+        {
+            self.is_directed = is_directed(last);
         }
     }
 
@@ -103,14 +132,13 @@ impl CanLog {
     }
 
     /// Returns whether the last line, which has no end, is incomplete.
-    fn is_cut(&self, whole: &[u8], tail: &[u8]) -> bool {
+    fn is_cut(&self, tail: &[u8]) -> bool {
         let frame = match Line::parse(tail) {
             Ok(Some(Line { content: Content::Frame(frame), .. })) => frame,
             Ok(_) => return false,
             Err(_) => return true,
         };
-        let before = whole.trim_ascii_end().rsplit(|byte| *byte == b'\n').next();
-        if before.is_some_and(is_directed) && !is_directed(tail) {
+        if self.is_directed && !is_directed(tail) {
             return true;
         }
         let kind = |flags: u8| flags & (flag::EXTENDED | flag::FD | flag::REMOTE | flag::ERROR);

@@ -67,6 +67,10 @@ pub struct CanLog {
     pub errors: Vec<LineError>,
     /// Lines so far.
     pub lines: usize,
+    /// Beginning of a candump line whose end comes with the next part.
+    tail: Vec<u8>,
+    /// The last candump line that is not blank has a direction.
+    is_directed: bool,
 }
 
 impl CanLog {
@@ -77,7 +81,17 @@ impl CanLog {
 
     fn with(config: Config, plans: Arc<Plans>) -> Self {
         let tables = drive::tables().chain(node::tables()).collect();
-        Self { config, plans, frames: Frames::default(), tables, errors: Vec::new(), lines: 0 }
+        let frames = Frames::default();
+        Self {
+            config,
+            plans,
+            frames,
+            tables,
+            errors: Vec::new(),
+            lines: 0,
+            tail: Vec::new(),
+            is_directed: false,
+        }
     }
 
     /// Takes the next frame.
