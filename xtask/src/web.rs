@@ -155,23 +155,20 @@ fn packages(root: &Path) -> Outcome {
     steps::run(pack.current_dir(root))?;
     let tools = root.join("wasm/web/node_modules/.bin");
     let (web, node) = (directory.join("web"), directory.join("node"));
-    for (_, profile, name) in MODULES {
+    for (_, _, name) in MODULES {
         let module = format!("{name}_bg.wasm");
         let file = web.join(&module);
         let mut optimise = Command::new(tools.join("wasm-opt"));
         // The stack lies first in memory, so no address of an object is a small number:
-        // `low-memory-unused` may assume that.
+        // `low-memory-unused` may assume that. Functions that are called once stay functions of their own:
+        // they look more alike, so that a module is larger but, compressed, smaller.
         optimise
             .args(["-Os", "--converge", "--low-memory-unused", "--strip-target-features"])
+            .args(["--one-caller-inline-max-function-size", "20"])
             .args(FEATURES)
             .arg(&file)
             .arg("-o")
             .arg(&file);
-        if profile == SMALL {
-            // The module gets larger but, compressed, 1/40 smaller: functions that are called once look
-            // more alike as functions of their own.
-            optimise.args(["--one-caller-inline-max-function-size", "20"]);
-        }
         steps::run(&mut optimise)?;
         // Both packages have the same module, with other JavaScript.
         fs::copy(&file, node.join(&module)).map_err(|error| format!("{}: {error}", file.display()))?;
