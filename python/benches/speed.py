@@ -29,15 +29,18 @@ def measured(run: Callable[[float], object], seconds: float) -> float:
     return seconds / (time.perf_counter() - begun)
 
 
-def narx_bench(mode: str, keeps: bool) -> tuple[float, str]:
-    """Measures `Bench.run`, which either keeps 26 signals a tick and the recording, or keeps nothing, like
-    the Rust bench sim/examples/driven.rs."""
+EIGHT = ["speed", "torque", "current_a", "current_b", "current_c", "bus_voltage", "bus_current", "duty"]
+
+
+def narx_bench(mode: str, recording: bool = False, **kept: Any) -> tuple[float, str]:
+    """Measures `Bench.run` with what it keeps: nothing, like the Rust bench sim/examples/driven.rs, or signals
+    of each tick, or these and the recording."""
     import narx
 
-    bench = narx.Bench(narx.Motor.preset(PRESET), SUPPLY, narx.Load(quadratic=LOAD), mode=mode, recording=keeps)  # type: ignore[arg-type]
+    bench = narx.Bench(narx.Motor.preset(PRESET), SUPPLY, narx.Load(quadratic=LOAD), mode=mode, recording=recording)  # type: ignore[arg-type]
     bench.drive.start(RPM)
     bench.run(2.0)
-    rate = measured(lambda seconds: bench.run(seconds, trace=keeps), 4.0)
+    rate = measured(lambda seconds: bench.run(seconds, **kept), 4.0)
     return rate, f"narx.Bench.run, {bench.run(0.1)['speed'].mean():.0f} rpm"
 
 
@@ -170,10 +173,12 @@ def gym_motor() -> tuple[float, str]:
 AMPLITUDE = 1.0
 """Amplitude of the phase voltages, in halves of the supply: it gives nearly 3000 rpm under load."""
 CONTENDERS: dict[str, Callable[[], tuple[float, str]]] = {
-    "hall": lambda: narx_bench("hall", keeps=False),
-    "hall-kept": lambda: narx_bench("hall", keeps=True),
-    "sensorless": lambda: narx_bench("sensorless", keeps=False),
-    "sensorless-kept": lambda: narx_bench("sensorless", keeps=True),
+    "hall": lambda: narx_bench("hall", trace=False),
+    "hall-eight": lambda: narx_bench("hall", signals=EIGHT),
+    "hall-kept": lambda: narx_bench("hall", recording=True),
+    "sensorless": lambda: narx_bench("sensorless", trace=False),
+    "sensorless-eight": lambda: narx_bench("sensorless", signals=EIGHT),
+    "sensorless-kept": lambda: narx_bench("sensorless", recording=True),
     "numba": numba_loop,
     "motulator": motulator_drive,
     "gym-electric-motor": gym_motor,

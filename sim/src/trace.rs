@@ -107,13 +107,18 @@ impl Trace {
         if row.len() != self.signals.len() {
             return Err(RowLength { given: row.len(), expected: self.signals.len() });
         }
+        self.push_each(row.iter().copied());
+        Ok(())
+    }
+
+    /// Appends a row of as many values as there are signals.
+    pub(crate) fn push_each(&mut self, row: impl Iterator<Item = f64>) {
         for (column, value) in self.columns.iter_mut().zip(row) {
             match column {
-                Column::Single(values) => values.push(*value as f32),
-                Column::Double(values) => values.push(*value),
+                Column::Single(values) => values.push(value as f32),
+                Column::Double(values) => values.push(value),
             }
         }
-        Ok(())
     }
 
     /// Returns the rows so far, and has none afterwards.

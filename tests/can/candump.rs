@@ -130,6 +130,50 @@ fn what_is_no_line_is_refused_for_what_is_wrong_with_it() {
     assert_eq!(Line::parse(b"(1.0) \xFF 123#00"), Err(Channel));
 }
 
+/// Eight digits are converted at once: any byte at any place among them is a digit or an error.
+#[test]
+fn every_byte_at_every_place_of_a_line() {
+    let line = b"(1436509052.249713) can0 0AAD52c8#0123456789abcDEF";
+    assert!(Line::parse(line).unwrap().is_some());
+    for byte in 0..=u8::MAX {
+        for place in (25..33).chain(34..50) {
+            let mut changed = *line;
+            changed[place] = byte;
+            // A remote frame, a blank and another # are other lines, which other tests have.
+            if byte.is_ascii_whitespace() || byte == b'#' {
+                continue;
+            }
+            let expected = if byte.is_ascii_hexdigit() {
+                let value = |digits: &[u8]| u64::from_str_radix(str::from_utf8(digits).unwrap(), 16).unwrap();
+                Ok((value(&changed[25..33]) as u32 & 0x1FFF_FFFF, value(&changed[34..])))
+            } else if place < 33 {
+                Err(ParseError::Identifier)
+            } else {
+                Err(ParseError::Data)
+            };
+            let content = Line::parse(&changed).map(|line| line.unwrap().content);
+            let found = content.map(|content| match content {
+                Content::Frame(frame) => {
+                    (frame.id().raw(), u64::from_be_bytes(frame.payload().try_into().unwrap()))
+                }
+                Content::Error { class, data } => {
+                    (class, data.bytes().fold(0, |all, byte| all << 8 | u64::from(byte)))
+                }
+                Content::Fd { .. } => unreachable!("no second #"),
+            });
+            assert_eq!(found, expected, "byte {byte:02X} at {place}");
+        }
+        for place in (1..11).chain(12..18) {
+            let mut changed = *line;
+            changed[place] = byte;
+            let stamp = str::from_utf8(&changed[1..18]).ok().filter(|text| !text.contains(['#', ')', ' ']));
+            let exact = stamp.and_then(|text| text.parse::<f64>().ok()).filter(|time| time.is_finite());
+            let found = Line::parse(&changed).ok().flatten().map(|line| line.time.to_bits());
+            assert_eq!(found, exact.map(f64::to_bits), "byte {byte:02X} at {place}");
+        }
+    }
+}
+
 #[test]
 fn what_is_wrong_is_told_in_words() {
     for (error, text) in [

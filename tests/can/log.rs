@@ -74,6 +74,27 @@ proptest! {
     }
 
     #[test]
+    fn parts_that_are_cut_anywhere_change_nothing(
+        lines in proptest::collection::vec(some_line(), 0..30), cuts in proptest::collection::vec(0.0..1.0, 0..6), end in 0.5..=1.0,
+    ) {
+        let text: String = lines.iter().map(|line| line.clone() + "\n").collect();
+        let text = &text.as_bytes()[..(text.len() as f64 * end) as usize];
+        let whole = read(text, 1);
+        let mut places: Vec<usize> = cuts.iter().map(|cut| (text.len() as f64 * cut) as usize).collect();
+        places.sort_unstable();
+        let mut log = CanLog::new(CONFIG);
+        for (from, to) in [0].iter().chain(&places).zip(places.iter().chain([&text.len()])) {
+            log.feed_candump(&text[*from..*to], 2);
+        }
+        log.end_candump();
+        prop_assert_eq!(&log.frames, &whole.frames);
+        // As text: a value that a message does not carry is no number, and equals nothing.
+        let tables = [&log, &whole].map(|log| format!("{:?}", log.tables));
+        prop_assert!(tables[0] == tables[1], "tables differ");
+        prop_assert_eq!((&log.errors, log.lines), (&whole.errors, whole.lines));
+    }
+
+    #[test]
     fn a_log_that_ends_anywhere_loses_its_last_line_at_most(
         lines in proptest::collection::vec(some_line(), 1..20), part in 0.0..1.0,
     ) {

@@ -211,7 +211,7 @@ fn first_blank(text: &[u8]) -> usize {
     for eight in eights {
         let bytes = u64::from_le_bytes(*eight);
         // The lowest bit that is left is that of the first byte below 21h; bits above may be borrowed ones.
-        let low = bytes.wrapping_sub(ONES * 0x21) & !bytes & TOPS;
+        let low = bytes.wrapping_sub(each(0x21)) & !bytes & TOPS;
         if low != 0 {
             begin += (low.trailing_zeros() / 8) as usize;
             break;
@@ -265,16 +265,19 @@ fn decimal(digits: &[u8]) -> Option<u64> {
     Some(number)
 }
 
-/// Every byte 1.
-const ONES: u64 = u64::MAX / 0xFF;
+/// This value in each of eight bytes.
+const fn each(byte: u8) -> u64 {
+    u64::from_le_bytes([byte; 8])
+}
+
 /// The highest bit of every byte.
-const TOPS: u64 = ONES << 7;
+const TOPS: u64 = each(0x80);
 
 /// The number that eight decimal digits make.
 fn eight_digits(text: [u8; 8]) -> Option<u64> {
     // A digit is 0 to 9 in its byte: that, and that plus 118, have no highest bit.
-    let digits = u64::from_le_bytes(text) ^ ONES * 0x30;
-    if (digits | digits.wrapping_add(ONES * 118)) & TOPS != 0 {
+    let digits = u64::from_le_bytes(text) ^ each(0x30);
+    if (digits | digits.wrapping_add(each(118))) & TOPS != 0 {
         return None;
     }
     // Neighbours are joined: two digits in each of four places, then four in two, then eight.
@@ -287,13 +290,13 @@ fn eight_digits(text: [u8; 8]) -> Option<u64> {
 fn four_bytes(text: [u8; 8]) -> Option<[u8; 4]> {
     let text = u64::from_le_bytes(text);
     // 0 to 9 of a decimal digit, 1 to 6 of a letter, whose bit 6 is set.
-    let (digit, letter) = (text ^ ONES * 0x30, (text | ONES * 0x20) ^ ONES * 0x60);
-    let no_digit = digit.wrapping_add(ONES * 118);
-    let no_letter = letter.wrapping_add(ONES * 121) | !letter.wrapping_add(ONES * 127);
+    let (digit, letter) = (text ^ each(0x30), (text | each(0x20)) ^ each(0x60));
+    let no_digit = digit.wrapping_add(each(118));
+    let no_letter = letter.wrapping_add(each(121)) | !letter.wrapping_add(each(127));
     if (text | no_digit & no_letter) & TOPS != 0 {
         return None;
     }
-    let halves = (text & ONES * 0x0F) + (text >> 6 & ONES) * 9;
+    let halves = (text & each(0x0F)) + (text >> 6 & each(1)) * 9;
     let bytes = (halves << 4 | halves >> 8) & 0x00FF_00FF_00FF_00FF;
     let pairs = (bytes | bytes >> 8) & 0x0000_FFFF_0000_FFFF;
     Some(((pairs | pairs >> 16) as u32).to_le_bytes())

@@ -1,5 +1,6 @@
 //! A drive with its motor as a model of FMI 2 and 3 (Functional Mock-up Interface), co-simulation: variables
-//! by their value references, and steps of time. `python/fmu` exports it as C functions; `narx/fmu.py` packs it.
+//! by their value references, and steps of time. `python/fmu` exports it as C functions; `narx/fmu.py` packs
+//! it.
 
 use crc::{CRC_64_XZ, Crc};
 use narx_core::dictionary::Parameters;

@@ -44,7 +44,7 @@ const TABLE: [(Signal, Value); COUNT] = [
     (Signal::single("step", ""), |tick| f64::from(tick.bench.command.step as u8)),
     (Signal::single("limiter", ""), |tick| f64::from(tick.drive().limiter() as u8)),
     (Signal::double("faults", ""), |tick| f64::from(tick.bench.status().faults.bits())),
-    (Signal::double("position", "rad"), |tick| tick.shaft().angle),
+    (Signal::double("position", "rad"), |tick| tick.seen().angle),
     (Signal::double("energy_in", "J"), |tick| tick.seen().ledger.source),
     (Signal::double("energy_shaft", "J"), |tick| tick.seen().ledger.shaft),
     (Signal::single("winding_temperature", "degC"), |tick| tick.plant.winding_temperature()),
@@ -177,16 +177,12 @@ impl Bench {
         if !self.kept.as_mut().is_some_and(Kept::is_due) {
             return;
         }
-        let mut row = [0.0; COUNT];
-        let Some(kept) = &self.kept else { return };
-        let tick = Tick::new(self);
-        let count = kept.values.len();
-        for (place, value) in row.iter_mut().zip(&kept.values) {
-            *place = value(&tick);
+        // Taken out, because the values are the bench's.
+        let mut kept = self.kept.take();
+        if let Some(Kept { trace, values, .. }) = &mut kept {
+            let tick = Tick::new(self);
+            trace.push_each(values.iter().map(|value| value(&tick)));
         }
-        if let Some(kept) = &mut self.kept {
-            // As many values as signals: both were made together.
-            let _ = kept.trace.push(&row[..count]);
-        }
+        self.kept = kept;
     }
 }

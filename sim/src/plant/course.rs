@@ -239,13 +239,12 @@ impl Stage {
         })
     }
 
-    /// The shaft as it is now; nothing else moves.
-    pub(crate) fn shaft_now(&self) -> Shaft {
-        let mut shaft = self.shaft.clone();
-        if self.course.elapsed != 0.0 {
-            shaft.apply(&self.turn_so_far());
+    /// Speed, rad/s, and electrical angle, turns, of the shaft now, as its course would end here.
+    pub(crate) fn shaft_now(&self) -> (f64, f64) {
+        if self.course.elapsed == 0.0 {
+            return (self.shaft.speed, self.shaft.angle);
         }
-        shaft
+        self.shaft.after(&self.turn_so_far())
     }
 
     /// Ends a course where it is: moves the shaft and books what added up.

@@ -240,9 +240,14 @@ impl Shaft {
     /// Takes over a turn.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn apply(&mut self, turn: &Turn) {
-        self.speed = turn.speed;
-        self.angle += turn.path * self.turns_per_radian;
+        (self.speed, self.angle) = self.after(turn);
         self.opposing = turn.opposing;
+    }
+
+    /// Speed, rad/s, and electrical angle, turns, after a turn.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn after(&self, turn: &Turn) -> (f64, f64) {
+        (turn.speed, self.angle + turn.path * self.turns_per_radian)
     }
 
     /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the

@@ -13,7 +13,7 @@ use std::process::Command;
 const ROUNDS: usize = 5;
 /// Number of measured ticks of a run of the Rust bench.
 const TICKS: &str = "40000";
-/// Goal: share of the Rust bench's rate, with no trace kept in either.
+/// Goal: share of the Rust bench's rate, which keeps nothing; with no trace, and with one of eight signals.
 const RATIO_MIN: f64 = 0.9;
 /// Other simulators, as the script names them. Each runs once in a round, but the slow ones only once in all.
 const OTHERS: [(&str, usize); 3] = [("numba", ROUNDS), ("motulator", 1), ("gym-electric-motor", 1)];
@@ -86,12 +86,13 @@ fn measure(programs: &Programs) -> Part {
         command.arg(&programs.script).arg(contender).env("PYTHONDONTWRITEBYTECODE", "1");
         command
     };
-    let [mut rust, mut bare, mut kept] = [(); 3].map(|()| driven::MODES.map(|_| Best::default()));
+    let [mut rust, mut bare, mut eight, mut kept] = [(); 4].map(|()| driven::MODES.map(|_| Best::default()));
     let mut others = OTHERS.map(|_| Best::default());
     for round in 0..ROUNDS {
         for (index, mode) in driven::MODES.into_iter().enumerate() {
             rust[index].keep(Command::new(&programs.driven).args([mode, TICKS]));
             bare[index].keep(&mut script(mode));
+            eight[index].keep(&mut script(&format!("{mode}-eight")));
             kept[index].keep(&mut script(&format!("{mode}-kept")));
         }
         for (best, (name, rounds)) in others.iter_mut().zip(OTHERS) {
@@ -102,7 +103,7 @@ fn measure(programs: &Programs) -> Part {
     }
     let mut part = Part::default();
     for (index, mode) in driven::MODES.into_iter().enumerate() {
-        let [rust, bare, kept] = [&rust[index], &bare[index], &kept[index]];
+        let [rust, bare, eight, kept] = [&rust, &bare, &eight, &kept].map(|bests| &bests[index]);
         let beside = |name: &str, rate: f64| {
             Figure::new(format!("simulation from Python, {mode}, {name}"), rate / rust.rate, "")
         };
@@ -110,9 +111,10 @@ fn measure(programs: &Programs) -> Part {
             Figure::new(format!("simulation from Python, {mode}"), bare.rate, "simulated s/s")
                 .note(format!("the Rust bench beside it: {:.1}", rust.rate)),
             beside("of the Rust bench's", bare.rate).at_least(RATIO_MIN),
+            beside("with a trace of eight signals", eight.rate).at_least(RATIO_MIN),
             beside("with trace and recording", kept.rate),
         ]);
-        part.failures.extend([rust, bare, kept].into_iter().filter_map(|best| best.failure.clone()));
+        part.failures.extend([rust, bare, eight, kept].into_iter().filter_map(|best| best.failure.clone()));
     }
     for (best, (name, _)) in others.into_iter().zip(OTHERS) {
         // A simulator that cannot be installed is not a failure, but it is reported.
