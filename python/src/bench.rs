@@ -22,8 +22,6 @@ use pyo3::types::{PyBytes, PyDict};
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Bench(Shared);
 
-/// Largest voltage of a supply, as of the injection "supply", V.
-const VOLTAGE_MAX: f64 = 80.0;
 /// Largest resistance of a supply, ohm.
 const RESISTANCE_MAX: f64 = 100.0;
 
@@ -161,7 +159,7 @@ impl Bench {
         may_sink: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let voltage =
-            voltage.map(|volts| error::within("voltage", volts, "V", 0.0, VOLTAGE_MAX)).transpose()?;
+            voltage.map(|volts| error::within("voltage", volts, "V", 0.0, motor::VOLTAGE_MAX)).transpose()?;
         let resistance = resistance
             .map(|ohms| error::within("resistance", ohms, "ohm", 0.0, RESISTANCE_MAX))
             .transpose()?;
