@@ -11,8 +11,8 @@ const ADVANCE_MAX: f64 = 1.0;
 /// Largest speed at the start, rpm.
 const SPEED_MAX: f64 = 1e6;
 
-/// A motor with bridge, supply, load and hall sensors, whose gates the caller sets: for a drive of your own, a
-/// model of its timer or its whole chip.
+/// A motor with bridge, supply, load and hall sensors, whose gates the caller sets: for a drive of your own,
+/// a model of its timer or its whole chip.
 ///
 /// Switches act at once; dead times are the caller's. Every stretch between two changes is solved exactly.
 /// motor: a narx.Motor, whose winding stays at the ambient temperature. supply_voltage: V. load: a narx.Load.
@@ -144,6 +144,13 @@ impl Plant {
     #[getter]
     fn bus_voltage(&self) -> f64 {
         self.plant.bus_voltage()
+    }
+
+    /// Charge that the bridge has taken from the bus since the start, A s: its change over some time is the
+    /// mean bus current.
+    #[getter]
+    fn charge(&self) -> f64 {
+        self.plant.charge()
     }
 
     /// Replaces the load.

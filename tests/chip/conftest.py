@@ -32,6 +32,8 @@ class Bench:
             self.chip.mutate(mutation)
         self.bus = ChipBus(self.chip)
         self.drive = narx.Drive(self.bus, read_parameters=False)
+        # The board has no description of itself; asking for it takes a second of its time.
+        self.drive._link.is_described = True
 
     def wait(self, condition, seconds):
         """Waits in the board's time."""
@@ -47,7 +49,7 @@ class Bench:
         """Waits for Standby after power-up; the master acknowledges faults that are over."""
         assert self.wait(lambda: self.drive.state not in (None, State.INITIALIZATION), 1.5), "the drive does not answer"
         self.drive.stop()
-        self.reach(State.STANDBY)
+        self.reach(State.STANDBY, 0.3)
 
     def mean_speed(self, seconds=0.05):
         """True speed over some time, rpm."""

@@ -24,7 +24,7 @@ def test_a_shunts_over_current_turns_the_gates_off_without_the_processor(turning
     assert chip.gates == OFF and chip.processor.clock.instructions == instructions
     turning.run(0.01)
     assert turning.wait(lambda: turning.drive.state is State.FAULT, 0.2)
-    assert turning.drive.faults == {"emergency_shutdown"} and chip.gates == OFF
+    assert "emergency_shutdown" in turning.drive.faults and chip.gates == OFF
 
     # Coast for 0.1 s, the cause gone: the outputs may come back.
     chip.set_foreign_current(place, 0.0)

@@ -1,5 +1,5 @@
-//! The plant with its gates in other hands: time and gates in, voltages, currents and hall lines out. A model of
-//! a timer, of a whole chip or a program of the user's own closes the loop.
+//! The plant with its gates in other hands: time and gates in, voltages, currents and hall lines out. A model
+//! of a timer, of a whole chip or a program of the user's own closes the loop.
 
 use super::config::{LoadConfig, PlantConfig, SupplyConfig};
 use super::gates::Gate;
@@ -27,8 +27,8 @@ pub struct HallEdge {
     pub code: u8,
 }
 
-/// Motor, load, bridge, bus, supply and hall sensors, whose gates the caller sets. Dead times are the caller's,
-/// and neither converter nor comparators of the board's are in it. The winding stays at ambient temperature.
+/// Motor, load, bridge, bus, supply and hall sensors, whose gates the caller sets. Dead times are the
+/// caller's, and neither converter nor comparators are in it. The winding stays at ambient temperature.
 ///
 /// A switch that is on conducts both ways, one that is off leaves its diode.
 #[derive(Clone, Debug)]
@@ -117,8 +117,8 @@ impl GatedPlant {
         self.time - start
     }
 
-    /// A step of `rest` seconds or less in which no shunt's current can go beyond `limit`, and whether one may
-    /// reach it.
+    /// A step of `rest` seconds or less in which no shunt's current can go beyond `limit`, and whether one
+    /// may reach it.
     fn step_to(&self, rest: f64, limit: f64) -> (f64, bool) {
         let most = self.shunts().into_iter().fold(f64::MIN, f64::max);
         if most >= limit {
@@ -184,7 +184,7 @@ impl GatedPlant {
         self.stage.electric.i
     }
 
-    /// Currents of the legs' shunts, A: positive from the phase to ground, 0 while the low side does not lead.
+    /// Currents of the legs' shunts, A: positive from the phase to ground, 0 while the low side leads none.
     pub fn shunts(&self) -> [f64; 3] {
         const LOW: usize = 2;
         let stage = &self.stage;
@@ -199,6 +199,11 @@ impl GatedPlant {
     /// Bus voltage, V.
     pub fn bus_voltage(&self) -> f64 {
         self.stage.electric.v
+    }
+
+    /// Charge that the bridge has taken from the bus since the start, A s.
+    pub fn charge(&self) -> f64 {
+        self.stage.charge()
     }
 
     /// Changes the load.

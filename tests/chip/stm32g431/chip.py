@@ -90,7 +90,7 @@ class Chip:
             self.processor.flash[start - FLASH : start - FLASH + len(data)] = data
         self.resets: list[str] = []
         self.button_pressed = self.pwm_input = False
-        self.potentiometer = 1.0
+        self.potentiometer = 2.0
         self.foreign_current = [0.0, 0.0, 0.0]
         """Currents that flow through the shunts beside the motor's, A: a fault of the wiring."""
         self.mutations: list[Callable[[Chip], None]] = []

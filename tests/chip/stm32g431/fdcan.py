@@ -99,6 +99,8 @@ class Fdcan(Peripheral):
         self.bus_off = False
         self.returns = NEVER
         self.sending: int | None = None
+        self.taken = 0
+        """Received elements that the processor has acknowledged."""
 
     # Configuration (44.3.1, 44.4)
 
@@ -212,6 +214,7 @@ class Fdcan(Peripheral):
     def _acknowledge(self, fifo: int, place: int) -> None:
         if place != self.get[fifo] or self.fill[fifo] == 0:
             self.undefined(f"element {place} of FIFO {fifo} is acknowledged out of turn")
+        self.taken += 1
         self._release(fifo)
 
     def _release(self, fifo: int) -> None:

@@ -90,13 +90,25 @@ class Processor:
         blocks = [(self.data_start, ends - self.data_start), (0x4000_0000, 0x3_0000), (0x4800_0000, 0x2000), (0x5000_0000, 0x2000), (0xE000_0000, 0x10_0000)]
         for start, size in blocks:
 
-            def read(engine: object, offset: int, size: int, start: int) -> int:
-                return self.bus.read(start + offset, size)
+            def read(engine: unicorn.Uc, offset: int, size: int, start: int) -> int:
+                try:
+                    return self.bus.read(start + offset, size)
+                except Exception as problem:
+                    self._stop(problem)
+                    return 0
 
-            def write(engine: object, offset: int, size: int, value: int, start: int) -> None:
-                self.bus.write(start + offset, size, value)
+            def write(engine: unicorn.Uc, offset: int, size: int, value: int, start: int) -> None:
+                try:
+                    self.bus.write(start + offset, size, value)
+                except Exception as problem:
+                    self._stop(problem)
 
             self.engine.mmio_map(start, size, read, start, write, start)
+
+    def _stop(self, problem: Exception) -> None:
+        """Ends the run with this exception; a callback cannot raise it."""
+        self._problem = self._problem or problem
+        self.engine.emu_stop()
 
     def reset_state(self) -> None:
         """Everything but memory as a reset leaves it."""
@@ -238,7 +250,13 @@ class Processor:
                 clock.mask = arm.UC_ARM_REG_PRIMASK
         clock.deadline = deadline
         self._cause = None
-        self.engine.emu_start(self.pc | 1, 0xFFFF_FFFF)
+        self._problem: Exception | None = None
+        try:
+            self.engine.emu_start(self.pc | 1, 0xFFFF_FFFF)
+        except unicorn.UcError as error:
+            raise Stopped(f"the processor: {error}") from None
+        if self._problem is not None:
+            raise self._problem
         self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)
         if clock.lowest < self.stack_end:
             raise Stopped(f"the stack reaches down to {clock.lowest:#x}, into the variables below {self.stack_end:#x}")

@@ -68,8 +68,8 @@ mod image {
         }
     }
 
-    // Each of the large values is made out of line and has its place: together in `main`, they and their copies
-    // would take more stack than there is.
+    // Each of the large values is made out of line and has its place: together in `main`, they and their
+    // copies would take more stack than there is.
 
     #[inline(never)]
     fn storage() -> &'static mut CodeFlash<Region> {

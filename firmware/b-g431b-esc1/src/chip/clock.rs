@@ -10,8 +10,8 @@ pub(super) const PER_US: u32 = crate::timing::CLOCK_HZ / 1_000_000;
 
 pub(super) fn start() {
     RCC.apb1enr1().modify(|enable| enable.set_pwren(true));
-    // Range 1 with boost, which 170 MHz need: R1MODE = 0, bit 8 (RM0440, section 6.4.5; stm32-metapac 21 has it at
-    // bit 0).
+    // Range 1 with boost, which 170 MHz need: R1MODE = 0, bit 8 (RM0440, section 6.4.5; stm32-metapac 21 has
+    // it at bit 0).
     const R1MODE: u32 = 1 << 8;
     PWR.cr5().modify(|control| control.0 &= !R1MODE);
     // The hall lines' pins have pull-downs of the USB Type-C part, until that is told that it is not used.
