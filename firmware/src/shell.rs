@@ -96,8 +96,14 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
     /// With a flash, which answered `opened`: requests go to the mailbox and reports come from there.
     #[must_use]
     pub fn with_flash(mut self, mailbox: &'a Mailbox, opened: &Opened) -> Self {
+        self.attach_flash(mailbox, opened);
+        self
+    }
+
+    /// As [`with_flash`](Self::with_flash), in place.
+    pub fn attach_flash(&mut self, mailbox: &'a Mailbox, opened: &Opened) {
         self.device.node().attach_storage(opened);
-        Self { flash: Some(mailbox), ..self }
+        self.flash = Some(mailbox);
     }
 
     /// With the reason of the start, for whoever asks the node.

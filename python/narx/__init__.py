@@ -11,7 +11,7 @@ True
 """
 
 from narx import blocks, experiments
-from narx._core import Load, Motor, NodeState, OperatingRange, State, __version__, coefficients, dbc, eds, xml
+from narx._core import Load, Motor, NodeState, OperatingRange, Plant, State, __version__, coefficients, dbc, eds, xml
 from narx.async_drive import AsyncDrive, AsyncPart, connect_async
 from narx.bench import Bench, RunInterrupted
 from narx.bridge import Bridge
@@ -78,6 +78,7 @@ __all__ = [
     "OperatingRange",
     "ParameterError",
     "Parameters",
+    "Plant",
     "Reading",
     "RecordingError",
     "RefusedError",

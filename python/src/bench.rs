@@ -32,8 +32,6 @@ pub(crate) struct Bench {
     winding_max: f64,
 }
 
-/// Largest voltage of a supply, as of the injection "supply", V.
-const VOLTAGE_MAX: f64 = 80.0;
 /// Largest resistance of a supply, ohm.
 const RESISTANCE_MAX: f64 = 100.0;
 
@@ -205,7 +203,7 @@ impl Bench {
         may_sink: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let voltage =
-            voltage.map(|volts| error::within("voltage", volts, "V", 0.0, VOLTAGE_MAX)).transpose()?;
+            voltage.map(|volts| error::within("voltage", volts, "V", 0.0, motor::VOLTAGE_MAX)).transpose()?;
         let resistance = resistance
             .map(|ohms| error::within("resistance", ohms, "ohm", 0.0, RESISTANCE_MAX))
             .transpose()?;

@@ -14,6 +14,7 @@ mod log_record;
 mod master;
 mod motor;
 mod notes;
+mod plant;
 mod recording;
 mod server;
 mod session;
@@ -52,6 +53,8 @@ mod _core {
     use crate::master::Master;
     #[pymodule_export]
     use crate::motor::{Load, Motor, OperatingRange, restore_motor};
+    #[pymodule_export]
+    use crate::plant::Plant;
     #[pymodule_export]
     use crate::recording::{replay, scope_recording};
     #[pymodule_export]

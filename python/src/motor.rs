@@ -337,6 +337,16 @@ impl Motor {
         }
     }
 
+    /// Figures of the motor.
+    pub(crate) const fn config(&self) -> MotorConfig {
+        self.config
+    }
+
+    /// Delay of the hall sensors' edges, electrical degrees.
+    pub(crate) const fn hall_offset(&self) -> f64 {
+        self.hall_offset_deg
+    }
+
     /// Returns what commissioning makes of it, on a board with this PWM rate.
     fn commissioning(&self, supply: Given, mode: Given, pwm_rate: Given) -> PyResult<Commissioning> {
         let board = bench::board(pwm_rate)?;
@@ -465,6 +475,8 @@ pub(crate) fn restore_motor(
 
 /// Largest temperature of a winding that names none, that of insulation class F (IEC 60085), degrees Celsius.
 const WINDING_MAX: f64 = 155.0;
+/// Largest voltage of a supply, as of the injection "supply", V.
+pub(crate) const VOLTAGE_MAX: f64 = 80.0;
 /// Largest figure of a load or a friction, in SI units: it holds every motor of this drive.
 const LOAD_MAX: f64 = LoadConfig::MAX;
 

@@ -3,6 +3,7 @@
 mod closed_forms;
 mod data_sheets;
 mod driving;
+mod gated;
 mod ledger;
 mod reference;
 mod sensors;

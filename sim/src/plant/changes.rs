@@ -1,7 +1,8 @@
 //! Changes from outside, and drift with temperature.
 
 use super::injection::{Injected, Injection};
-use super::{LoadConfig, Plant, SupplyConfig};
+use super::stage::Stage;
+use super::{LoadConfig, MotorConfig, Plant, SupplyConfig};
 
 /// Temperature of the motor's data, degrees Celsius.
 const REFERENCE_TEMPERATURE: f64 = 25.0;
@@ -113,12 +114,18 @@ impl Plant {
     }
 
     pub(super) fn apply_drift(&mut self) {
-        self.stage.arrive();
-        self.stage.enter_book();
-        let motor = &self.config.motor;
-        let rise = self.winding_temperature - REFERENCE_TEMPERATURE;
-        self.stage.network.copper = 0.5 * motor.resistance * (1.0 + motor.copper_drift * rise).max(0.1);
-        self.stage.network.update();
-        self.stage.shape.set_drift((1.0 + motor.magnet_drift * rise).max(0.1));
+        self.stage.set_temperature(&self.config.motor, self.winding_temperature);
+    }
+}
+
+impl Stage {
+    /// Brings winding and magnets to this temperature, degrees Celsius.
+    pub(super) fn set_temperature(&mut self, motor: &MotorConfig, celsius: f64) {
+        self.arrive();
+        self.enter_book();
+        let rise = celsius - REFERENCE_TEMPERATURE;
+        self.network.copper = 0.5 * motor.resistance * (1.0 + motor.copper_drift * rise).max(0.1);
+        self.network.update();
+        self.shape.set_drift((1.0 + motor.magnet_drift * rise).max(0.1));
     }
 }

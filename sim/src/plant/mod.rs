@@ -26,6 +26,7 @@ mod diodes;
 mod emf;
 mod event;
 mod exponential;
+mod gated;
 mod gates;
 mod hall;
 mod injection;
@@ -44,6 +45,7 @@ pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
     PlantConfig, SupplyConfig,
 };
+pub use gated::{GatedPlant, HallEdge};
 pub use gates::Gate;
 pub use injection::{Injection, InjectionError, InjectionKind, InjectionOptions, InjectionValue};
 pub use inputs::{Input, InputError};

@@ -54,6 +54,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("watchdog", move || hangs::run(root)),
         Step::new("slots", move || slots::make(root)),
         Step::new("virtual drive", move || drive(root)),
+        Step::new("board on its chip's model", move || chip(root)),
     ]
 }
 
@@ -72,6 +73,18 @@ fn fewer_modes(root: &Path) -> Outcome {
 /// Programs that replay recordings, once [`steps`] has built them.
 pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
     vec![Replayer::new("Rust Cortex-M4F", &qemu::semihosting(&Image::Replay.path(root), &[ARGUMENTS]))]
+}
+
+/// Runs the board's own image on a model of its chip, against the simulated motor.
+fn chip(root: &Path) -> Outcome {
+    let python = python::prepare(root)?;
+    steps::run(
+        Command::new(python)
+            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
+            .arg(root.join("tests/chip"))
+            .env("NARX_BOARD_IMAGE", board::path(root, "drive"))
+            .env("PYTHONDONTWRITEBYTECODE", "1"),
+    )
 }
 
 /// Spins the motor of the real image through python-can.

@@ -10,8 +10,10 @@ pub(super) const PER_US: u32 = crate::timing::CLOCK_HZ / 1_000_000;
 
 pub(super) fn start() {
     RCC.apb1enr1().modify(|enable| enable.set_pwren(true));
-    // Range 1 with boost, which 170 MHz need.
-    PWR.cr5().modify(|boost| boost.set_r1mode(false));
+    // Range 1 with boost, which 170 MHz need: R1MODE = 0, bit 8 (RM0440, section 6.4.5; stm32-metapac 21 has
+    // it at bit 0).
+    const R1MODE: u32 = 1 << 8;
+    PWR.cr5().modify(|control| control.0 &= !R1MODE);
     // The hall lines' pins have pull-downs of the USB Type-C part, until that is told that it is not used.
     PWR.cr3().modify(|control| control.set_ucpd1_dbdis(true));
     FLASH.acr().modify(|access| {

@@ -1,0 +1,133 @@
+"""The board's image on the model of its chip, with a motor and a master on its bus."""
+
+import functools
+import os
+import pathlib
+import traceback
+import warnings
+
+import narx
+import pytest
+from narx import State
+from stm32g431 import Chip
+from stm32g431.can_bus import ChipBus
+from stm32g431.chip import Image
+
+warnings.filterwarnings("ignore", category=narx.NarxWarning)
+
+MOTOR = narx.Motor.preset("bly172s-24v")
+SUPPLY, CAPACITANCE = 24.0, 470e-6
+"""Supply, V, with a capacitor beside it, F: the board's own 100 uF rise above the threshold of 27 V when currents end."""
+OWN = {"Over-voltage HV threshold": 27.0, "Minimum on-time": 6000}
+"""Parameters that the board needs besides the motor's (docs/B-G431B-ESC1.md)."""
+
+
+class Bench:
+    """A board with its motor, and the master."""
+
+    def __init__(self, image, flash=None, motor=MOTOR, mutation=None, **plant):
+        self.plant = narx.Plant(motor, supply_voltage=SUPPLY, **{"capacitance": CAPACITANCE} | plant)
+        self.chip = Chip(image, self.plant, flash)
+        if mutation is not None:
+            self.chip.mutate(mutation)
+        self.bus = ChipBus(self.chip)
+        self.drive = narx.Drive(self.bus, read_parameters=False)
+        # The board has no description of itself; asking for it takes a second of its time.
+        self.drive._link.is_described = True
+
+    def wait(self, condition, seconds):
+        """Waits in the board's time."""
+        return self.drive.wait_for(condition, seconds)
+
+    def run(self, seconds):
+        self.drive.wait_for(lambda: False, seconds)
+
+    def reach(self, state, seconds=1.0):
+        assert self.wait(lambda: self.drive.state is state, seconds), f"{self.drive.state!r} with {self.drive.faults}, no {state!r}"
+
+    def stand_by(self):
+        """Waits for Standby after power-up; the master acknowledges faults that are over."""
+        assert self.wait(lambda: self.drive.state not in (None, State.INITIALIZATION), 1.5), "the drive does not answer"
+        self.drive.stop()
+        self.reach(State.STANDBY, 0.3)
+
+    def mean_speed(self, seconds=0.05):
+        """True speed over some time, rpm."""
+        angle, time = self.plant.angle_deg, self.plant.time
+        self.run(seconds)
+        return (self.plant.angle_deg - angle) / 360.0 / (self.plant.time - time) * 60.0
+
+    def commission(self, mode):
+        """Writes the parameters that differ, and stores them."""
+        for name, value in (MOTOR.commission(SUPPLY, mode=mode) | OWN).items():
+            if self.drive.parameters[name] != pytest.approx(value):
+                self.drive.parameters[name] = value
+        self.drive.parameters.store()
+
+
+def forked(test):
+    """Runs a test in a copy of this process, so that it may do anything to the bench that others go on with."""
+
+    @functools.wraps(test)
+    def in_copy(*arguments, **named):
+        receive, send = os.pipe()
+        child = os.fork()
+        if child == 0:
+            problem = b""
+            try:
+                test(*arguments, **named)
+            except BaseException:
+                problem = traceback.format_exc().encode()
+            os.write(send, problem[:60_000])
+            os._exit(0)
+        os.close(send)
+        with os.fdopen(receive, "rb") as pipe:
+            problem = pipe.read()
+        os.waitpid(child, 0)
+        if problem:
+            pytest.fail(problem.decode(), pytrace=False)
+
+    return in_copy
+
+
+@pytest.fixture(scope="session")
+def image():
+    """The drive's image; `cargo xtask test firmware` says where it is."""
+    return Image(pathlib.Path(os.environ["NARX_BOARD_IMAGE"]))
+
+
+def stored(image, mode):
+    bench = Bench(image)
+    assert bench.wait(lambda: bench.drive.state is State.FAULT, 1.0)
+    bench.commission(mode)
+    return bytes(bench.chip.processor.flash)
+
+
+@pytest.fixture(scope="session")
+def hall_flash(image):
+    """Flash of a board that is set up for the motor with its hall sensors."""
+    return stored(image, "hall")
+
+
+@pytest.fixture(scope="session")
+def sensorless_flash(image):
+    """Flash of a board that is set up for the motor without sensors."""
+    return stored(image, "sensorless")
+
+
+@pytest.fixture(scope="session")
+def standing(image, hall_flash):
+    """A board in Standby. Use it in a forked test."""
+    bench = Bench(image, hall_flash)
+    bench.stand_by()
+    return bench
+
+
+@pytest.fixture(scope="session")
+def turning(image, hall_flash):
+    """A board whose motor turns at 2000 rpm. Use it in a forked test."""
+    bench = Bench(image, hall_flash)
+    bench.stand_by()
+    bench.drive.start(2000)
+    bench.run(0.35)
+    return bench

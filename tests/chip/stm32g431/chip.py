@@ -1,0 +1,393 @@
+"""The chip on its board: everything together, and the passing of time."""
+
+import bisect
+from collections.abc import Callable
+from pathlib import Path
+
+import narx
+from elftools.elf.elffile import ELFFile
+
+from stm32g431.analog import DELAY, Amplifiers, Comparators, Dac
+from stm32g431.capture_timer import CaptureTimer
+from stm32g431.clocks import LSI, Clocks
+from stm32g431.converter import Common, Converter
+from stm32g431.core import Core
+from stm32g431.fdcan import Bus, Fdcan, MessageMemory
+from stm32g431.flash import Flash, PowerCut, blank
+from stm32g431.gpio import ANALOG, LOW, Port
+from stm32g431.power_timer import PowerTimer
+from stm32g431.processor import FLASH, FLASH_SIZE, Processor
+from stm32g431.registers import NEVER, SECOND, Register, Stopped
+from stm32g431.watchdog import LowPowerTimer, Watchdog
+
+# The board (docs/B-G431B-ESC1.md).
+BUS_DIVIDER, TERMINAL_DIVIDER = 18 / 187, 2.2 / 12.2
+SHUNT_BIAS, SHUNT_SCALE = 0.128563, 0.001713
+"""Voltage at a shunt's network: V without current, and V an ampere."""
+THERMISTOR, REFERENCE = 1.055, 1.3342
+"""Thermistor at 25 degrees Celsius; internal reference, V, as the maker's word has it."""
+PULLED_UP = 1
+PRIORITY_BYTES = 0xE000_E400
+REGISTRY = b"/registry/src/"
+DEFAULT_MOTOR = "bly172s-24v"
+
+
+class Image:
+    """An image's segments and source lines."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.places: list[tuple[int, str]] = []
+        with path.open("rb") as file:
+            elf = ELFFile(file)
+            segments = [segment for segment in elf.iter_segments() if segment["p_type"] == "PT_LOAD" and segment["p_filesz"]]
+            self.segments = [(segment["p_paddr"], segment.data()) for segment in segments]
+            symbols = {symbol.name: symbol["st_value"] for symbol in elf.get_section_by_name(".symtab").iter_symbols()}
+            self.stack_end = symbols["_stack_end"]
+            self.vectors = elf.get_section_by_name(".vector_table")["sh_addr"]
+        self.end = max(start + len(data) for start, data in self.segments)
+
+    def line(self, address: int) -> str:
+        """Source line of an address: the nearest one before it in this project's own files."""
+        if not self.places:
+            self.places = sorted(self._lines())
+        place = bisect.bisect_right(self.places, (address, "\x7f")) - 1
+        return self.places[place][1] if place >= 0 else "?"
+
+    def _lines(self) -> list[tuple[int, str]]:
+        found = []
+        with self.path.open("rb") as file:
+            information = ELFFile(file).get_dwarf_info()
+            for unit in information.iter_CUs():
+                if REGISTRY in unit.get_top_DIE().attributes["DW_AT_comp_dir"].value:
+                    continue
+                program = information.line_program_for_CU(unit)
+                files, folders = program["file_entry"], program["include_directory"]
+                for entry in program.get_entries():
+                    if (state := entry.state) is None or state.end_sequence or state.address < FLASH:
+                        continue
+                    file_entry = files[state.file - 1]
+                    folder = folders[file_entry.dir_index - 1].decode()
+                    if not folder.startswith("/"):
+                        found.append((state.address, f"{folder}/{file_entry.name.decode()}:{state.line}"))
+        return found
+
+
+class Chip:
+    """An STM32G431 on the board, with an image in its flash and a motor.
+
+    `flash`: contents of the whole flash before the image is put into it; blank by default.
+    """
+
+    def __init__(self, image: Image, plant: narx.Plant | None = None, flash: bytes | None = None) -> None:
+        self.image = image
+        self.plant = plant or narx.Plant(narx.Motor.preset(DEFAULT_MOTOR), supply_voltage=24.0)
+        self.plant_start = 0
+        self.lsi_rate = LSI
+        self.processor = Processor(self, image.end, image.stack_end)
+        self.processor.flash[:] = flash or blank()
+        for start, data in image.segments:
+            self.processor.flash[start - FLASH : start - FLASH + len(data)] = data
+        self.resets: list[str] = []
+        self.button_pressed = self.pwm_input = False
+        self.potentiometer = 2.0
+        self.foreign_current = [0.0, 0.0, 0.0]
+        """Currents that flow through the shunts beside the motor's, A: a fault of the wiring."""
+        self.mutations: list[Callable[[Chip], None]] = []
+        self.bus: Bus | None = None
+        self._reset({"power", "pin"})
+
+    @property
+    def now(self) -> int:
+        """Time since power-up, 1 / SECOND s."""
+        return self._event if self._event is not None else self.processor.clock.time
+
+    @property
+    def time(self) -> float:
+        """Time since power-up, s."""
+        return self.processor.clock.time / SECOND
+
+    def _reset(self, causes: set[str]) -> None:
+        self._event: int | None = None
+        self.request: str | None = None
+        self.end = NEVER
+        self.map: dict[int, Register] = {}
+        self.gated: dict[str, bool] = {}
+        self.due = NEVER
+        self.break_delay = NEVER
+        self.gates = ("off", "off", "off")
+        self.processor.reset_state()
+        self.processor.vectors = self.image.vectors
+        self.peripherals = []
+        kept = [register.value for register in self.clocks.backup.registers.values()] if hasattr(self, "clocks") else None
+        self.clocks = Clocks(self, causes)
+        if kept is not None and "power" not in causes:
+            for register, value in zip(self.clocks.backup.registers.values(), kept, strict=True):
+                register.value = value
+        self.flash = Flash(self)
+        self.core = Core(self)
+        self.watchdog = Watchdog(self)
+        self.low_power_timer = LowPowerTimer(self)
+        self.ports = {letter: Port(self, letter) for letter in "ABC"}
+        self.dac = Dac(self)
+        self.comparators = Comparators(self)
+        self.amplifiers = Amplifiers(self)
+        self.capture_timer = CaptureTimer(self)
+        self.converters_common = Common(self)
+        self.converters = [Converter(self, 1), Converter(self, 2)]
+        old_bus = self.bus
+        self.fdcan = Fdcan(self)
+        self.message_memory = MessageMemory(self)
+        self.bus = Bus(self)
+        if old_bus is not None:
+            self.bus.host, self.bus.passed, self.bus.is_there = old_bus.host, old_bus.passed, old_bus.is_there
+        self.power_timer = PowerTimer(self)
+        self.eventful = [self.power_timer, *self.converters, self.capture_timer, self.bus, self.watchdog, self.core]
+        self.trip = [NEVER, NEVER, NEVER]
+        self.trip_limit: float | None = None
+        self.tripped = [False, False, False]
+        self.processor.clock.per_cycle = self.clocks.unit
+        self.capture_timer.level = self.plant.hall
+        self.plant.set_gates(*self.gates)
+        for mutation in self.mutations:
+            mutation(self)
+        self.processor.start()
+
+    def mutate(self, mutation: "Callable[[Chip], None]") -> None:
+        """A deliberate fault of the driver, from the next access on and after every reset."""
+        self.mutations.append(mutation)
+        mutation(self)
+
+    def find(self, name: str) -> Register:
+        """A register by its name, as in "TIM1.BDTR"."""
+        return next(register for register in self.map.values() if str(register) == name)
+
+    # Accesses of the processor
+
+    def read(self, address: int, size: int) -> int:
+        self._catch_up()
+        register = self.map.get(address)
+        if register is not None and size == 4:
+            self._check_clock(register.peripheral.name)
+            return register.read()
+        if FLASH <= address < FLASH + FLASH_SIZE:
+            return self.flash.read(address, size)
+        memory = self.message_memory
+        if memory.base <= address < memory.base + memory.size and size == 4:
+            self._check_clock(memory.name)
+            return memory.read(address - memory.base)
+        raise Stopped(f"reads {size} bytes at {address:#010x}, which the model does not know")
+
+    def write(self, address: int, size: int, value: int) -> None:
+        self._catch_up()
+        register = self.map.get(address)
+        if register is not None and size == 4:
+            self._check_clock(register.peripheral.name)
+            register.write(value)
+            return
+        if FLASH <= address < FLASH + FLASH_SIZE:
+            self.flash.write(address, size, value)
+            return
+        memory = self.message_memory
+        if memory.base <= address < memory.base + memory.size and size == 4:
+            self._check_clock(memory.name)
+            memory.write(address - memory.base, value)
+            return
+        if PRIORITY_BYTES <= address < PRIORITY_BYTES + 112 and size == 1:
+            self.core.set_priority(address - PRIORITY_BYTES, value)
+            return
+        raise Stopped(f"writes {size} bytes at {address:#010x}, which the model does not know")
+
+    def _check_clock(self, name: str) -> None:
+        if not self.gated.get(name, True):
+            raise Stopped(f"{name} has no clock")
+
+    # Time
+
+    def reschedule(self) -> None:
+        """An event has moved."""
+        self.due = min([peripheral.due for peripheral in self.eventful])
+        self.processor.clock.deadline = min(self.due, self.end)
+
+    def attend(self) -> None:
+        """An interrupt may have come."""
+        self.processor.attend()
+
+    def _catch_up(self) -> None:
+        if self.processor.clock.time >= self.due:
+            self._run_events(self.processor.clock.time)
+
+    def _run_events(self, until: int) -> None:
+        while self.due <= until:
+            first = min(self.eventful, key=lambda peripheral: peripheral.due)
+            self._event = first.due
+            if first is self.power_timer:
+                self.follow_plant()
+            first.step()
+            self._event = None
+            self.due = min([peripheral.due for peripheral in self.eventful])
+            if self.request:
+                return
+
+    def stall(self, time: int) -> None:
+        """The processor waits for the flash."""
+        clock = self.processor.clock
+        clock.time += time
+        self._catch_up()
+
+    def request_reset(self, cause: str) -> None:
+        self.request = cause
+        self.end = 0
+        self.processor.clock.deadline = 0
+
+    def interrupt_now(self, exception: int) -> None:
+        self.processor.pending.add(exception)
+        self.attend()
+
+    def run(self, seconds: float, until: Callable[[], bool] | None = None) -> bool:
+        """Lets time pass; with `until` until that is true, which is returned."""
+        end = self.processor.clock.time + round(seconds * SECOND)
+        try:
+            return self._run(end, until)
+        except Stopped as stopped:
+            block = self.processor.clock.block
+            raise Stopped(f"{stopped} (at {self.time:.6f} s, {block:#010x}, {self.image.line(block)})") from None
+
+    def _run(self, end: int, until: Callable[[], bool] | None) -> bool:
+        processor, clock = self.processor, self.processor.clock
+        self.end = end
+        while clock.time < end:
+            if until is not None and until():
+                return True
+            self._catch_up()
+            if self.request:
+                cause, self.request = self.request, None
+                self.resets.append(cause)
+                self._reset({cause, "pin"})
+                self.end = end
+                continue
+            if processor.sleeps:
+                if processor.waiting() is None:
+                    clock.time = max(clock.time, min(self.due, end))
+                    continue
+                processor.sleeps = False
+            processor.run(min(self.due, end))
+        self.follow_plant()
+        return until is not None and until()
+
+    # The board
+
+    def set_gates(self, a: str, b: str, c: str) -> None:
+        if (a, b, c) != self.gates:
+            self.follow_plant()
+            self.gates = (a, b, c)
+            self.plant.set_gates(a, b, c)
+
+    def follow_plant(self) -> None:
+        """Brings the motor up to the present."""
+        now = self.now
+        plant = self.plant
+        while (seconds := (now - self.plant_start) / SECOND - plant.time) > 1e-10:
+            pending = self.power_timer.break_due
+            if pending < now:
+                seconds = (pending - self.plant_start) / SECOND - plant.time
+            if seconds > 0:
+                plant.advance(seconds, self.trip_limit)
+                for time, code in plant.hall_edges:
+                    self.capture_timer.hall(self.plant_start + round(time * SECOND), code)
+                if self.trip_limit is not None:
+                    self._compare(self.plant_start + round(plant.time * SECOND))
+            if pending < now and plant.time >= (pending - self.plant_start) / SECOND - 1e-10:
+                before, self._event = self._event, pending
+                self.power_timer.break_now()
+                self._event = before
+
+    def set_trip(self) -> None:
+        """What the comparators compare has changed."""
+        thresholds = [self.comparators.threshold(place) for place in range(3)]
+        self.trip = [NEVER if volts is None else (volts - SHUNT_BIAS) / SHUNT_SCALE for volts in thresholds]
+        active = [amperes for amperes in self.trip if amperes < NEVER]
+        self.trip_limit = min(active) if active else None
+        self.follow_plant()
+        self._compare(self.now)
+
+    def shunt_currents(self) -> list[float]:
+        return [own + foreign for own, foreign in zip(self.plant.shunts, self.foreign_current, strict=True)]
+
+    def _compare(self, time: int) -> None:
+        """Comparators at `time`."""
+        tripped = [amperes >= limit for amperes, limit in zip(self.shunt_currents(), self.trip, strict=True)]
+        if tripped != self.tripped:
+            self.tripped = tripped
+            before, self._event = self._event, time + DELAY
+            self.power_timer.comparator_changed()
+            self._event = before
+
+    def set_foreign_current(self, place: int, amperes: float) -> None:
+        """A current beside the motor's begins or ends to flow through a shunt."""
+        self.follow_plant()
+        self.foreign_current[place] = amperes
+        self._compare(self.now)
+
+    def is_tripped(self, place: int) -> bool:
+        return self.tripped[place]
+
+    def trigger(self, name: str) -> None:
+        for converter in self.converters:
+            converter.trigger(name)
+
+    def levels(self, letter: str) -> dict[int, int]:
+        """What drives a port's pins from outside."""
+        self.follow_plant()
+        match letter:
+            case "A":
+                return {15: int(self.pwm_input), 11: PULLED_UP, 13: 1, 14: 0}
+            case "B":
+                hall = self.plant.hall
+                return {6: hall & 1, 7: hall >> 1 & 1, 8: hall >> 2 & 1}
+            case _:
+                return {10: 0 if self.button_pressed else PULLED_UP}
+
+    def board_can_is_on(self) -> bool:
+        """The transceiver is on, and connected to the controller's pins."""
+        a, b = self.ports["A"], self.ports["B"]
+        return a.function(11) == 9 and b.function(9) == 9 and self.ports["C"].output(11) == LOW
+
+    def channel(self, converter: int, channel: int) -> float:
+        """Voltage of a converter's channel."""
+        name = (converter, channel)
+        plant = self.plant
+        if name in SHUNTS:
+            place, port, pin = SHUNTS[name]
+            self._need_analog(port, pin)
+            return self.amplifiers.output(place, SHUNT_BIAS + SHUNT_SCALE * self.shunt_currents()[place])
+        if name in TERMINALS:
+            place, port, pin = TERMINALS[name]
+            self._need_analog(port, pin)
+            divided = self.ports["B"].output(5) == LOW
+            return max(plant.terminals[place], 0.0) * (TERMINAL_DIVIDER if divided else 1.0)
+        match name:
+            case (1, 1):
+                self._need_analog("A", 0)
+                return plant.bus_voltage * BUS_DIVIDER
+            case (1, 5):
+                self._need_analog("B", 14)
+                return THERMISTOR
+            case (1, 11):
+                self._need_analog("B", 12)
+                return self.potentiometer
+            case (1, 18):
+                if not self.converters_common.registers["CCR"].value >> 22 & 1:
+                    raise Stopped("ADC1 converts the internal reference, which is off")
+                return REFERENCE * 3.0 / 3.3
+        raise Stopped(f"ADC{converter} converts channel {channel}, which the board does not use")
+
+    def _need_analog(self, port: str, pin: int) -> None:
+        if self.ports[port].mode(pin) != ANALOG:
+            raise Stopped(f"P{port}{pin} is converted, but it is not analogue")
+
+
+SHUNTS = {(1, 3): (0, "A", 2), (2, 3): (1, "A", 6), (1, 12): (2, "B", 1)}
+TERMINALS = {(2, 17): (0, "A", 4), (2, 5): (1, "C", 4), (2, 14): (2, "B", 11)}
+
+__all__ = ["Chip", "Image", "PowerCut"]

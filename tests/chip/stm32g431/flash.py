@@ -1,0 +1,144 @@
+"""Flash and its controller (RM0440, section 3 and DS12589, section 5.3.12), and the words of the maker's."""
+
+import struct
+
+from stm32g431.processor import FLASH, FLASH_SIZE, NMI, SYSTEM
+from stm32g431.registers import SECOND, Peripheral
+
+PAGE, WORD = 2048, 8
+ERASE, PROGRAM = SECOND * 22 // 1000, SECOND * 82 // 1_000_000
+"""Times of a page and of a word, typical."""
+PG, PER, STRT, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
+EOP, PROGERR, PGAERR, SIZERR, PGSERR = 1 << 0, 1 << 3, 1 << 5, 1 << 6, 1 << 7
+ERRORS = 0x3FA
+KEYS = [0x4567_0123, 0xCDEF_89AB]
+UNIQUE = (0x0046_0030, 0x5842_5010, 0x2036_3434)
+REFERENCE_AT_3V = 1655
+"""Code of the internal reference at 3.0 V (DS12589, section 3.18.2)."""
+
+
+class PowerCut(Exception):
+    """The supply has gone."""
+
+
+class Flash(Peripheral):
+    """FLASH. While it erases or programs, the processor waits: its program is in the same bank."""
+
+    def __init__(self, chip: object) -> None:
+        super().__init__(chip, "FLASH", 0x4002_2000)
+        self.memory = chip.processor.flash
+        self.torn: dict[int, int] = {} if not hasattr(chip, "flash") else chip.flash.torn
+        """Words whose check bits do not fit, by their offset."""
+        self.operations = 0 if not hasattr(chip, "flash") else chip.flash.operations
+        """Pages erased and words programmed so far."""
+        self.cut_at: int | None = None
+        """The supply goes in the middle of this operation."""
+        self.status, self.is_locked, self.keys = 0, True, []
+        self.first: tuple[int, int] | None = None
+        self.register(0x00, "ACR", 0x0004_1F0F, value=0x0004_0600)
+        self.write_only(0x08, "KEYR", 0xFFFF_FFFF, self._key)
+        self.register(0x10, "SR", ERRORS | EOP, read=lambda: self.status, write=self._clear)
+        self.register(0x14, "CR", LOCK | STRT | 0x3FF, read=self._control, write=self._set_control)
+        self.ecc = 0
+        self.register(0x18, "ECCR", 0xFFFF_FFFF, read=lambda: self.ecc, write=self._clear_ecc)
+        self.control = 0
+        words = bytearray(0x1000)
+        struct.pack_into("<3I", words, 0x590, *UNIQUE)
+        struct.pack_into("<H", words, 0x5AA, REFERENCE_AT_3V)
+        chip.processor.engine.mem_write(SYSTEM, bytes(words))
+
+    def _key(self, value: int) -> None:
+        self.keys = [*self.keys, value][-2:]
+        if value != KEYS[len(self.keys) - 1]:
+            self.undefined(f"wrong key {value:#x}: locked until the next reset, and a bus error")
+        if self.keys == KEYS:
+            self.is_locked, self.keys = False, []
+
+    def _clear(self, value: int) -> None:
+        self.status &= ~value
+
+    def _clear_ecc(self, value: int) -> None:
+        if value >> 31 & 1:
+            self.ecc = 0
+
+    def _control(self) -> int:
+        return self.control | (LOCK if self.is_locked else 0)
+
+    def _set_control(self, value: int) -> None:
+        if self.is_locked:
+            self.undefined("CR is written while it is locked")
+        if value & LOCK:
+            self.is_locked = True
+        self.control = value & 0x3FF
+        if value & STRT:
+            if not value & PER or value & PG:
+                self.status |= PGSERR
+            else:
+                self._erase(PAGE * (value >> 3 & 0x7F))
+
+    def _erase(self, start: int) -> None:
+        if start < self.chip.processor.data_start - FLASH:
+            self.undefined(f"erases the page at {FLASH + start:#x}, where the program is")
+        cut = self._begin()
+        for word in [word for word in self.torn if start <= word < start + PAGE]:
+            del self.torn[word]
+        if cut:
+            # Half of the charge is gone: every cell reads anything, and no check bits fit.
+            for word in range(start, start + PAGE, WORD):
+                self.memory[word : word + WORD] = bytes((37 * (word + place)) % 256 for place in range(WORD))
+                self.torn[word] = 1
+            raise PowerCut
+        self.memory[start : start + PAGE] = b"\xff" * PAGE
+        self._end(ERASE)
+
+    def write(self, address: int, size: int, value: int) -> None:
+        """A write to the memory (section 3.3.7): two words make a double word."""
+        place = address - FLASH
+        if self.is_locked or not self.control & PG:
+            self.status |= PGSERR
+            return
+        if size != 4:
+            self.status |= SIZERR
+            return
+        if self.first is None:
+            if place % WORD:
+                self.status |= PGAERR
+                return
+            self.first = (place, value)
+            return
+        (start, low), self.first = self.first, None
+        if place != start + 4:
+            self.status |= PGAERR
+            return
+        word = struct.pack("<II", low, value)
+        old = bytes(self.memory[start : start + WORD])
+        if (old != b"\xff" * WORD and word != b"\0" * WORD) or start in self.torn:
+            self.status |= PROGERR
+            return
+        if self._begin():
+            self.memory[start : start + WORD] = bytes(byte | 0xA5 for byte in word)
+            self.torn[start] = 1
+            raise PowerCut
+        self.memory[start : start + WORD] = word
+        self._end(PROGRAM)
+
+    def _begin(self) -> bool:
+        if self.status & ERRORS:
+            self.status |= PGSERR
+        self.operations += 1
+        return self.operations == self.cut_at
+
+    def _end(self, time: int) -> None:
+        self.chip.stall(time)
+
+    def read(self, address: int, size: int) -> int:
+        place = address - FLASH
+        if place // WORD * WORD in self.torn:
+            self.ecc = 1 << 31 | place // WORD
+            self.chip.interrupt_now(NMI)
+        return int.from_bytes(self.memory[place : place + size], "little")
+
+
+def blank() -> bytes:
+    """The whole flash, erased."""
+    return b"\xff" * FLASH_SIZE

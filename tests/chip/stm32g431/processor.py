@@ -1,0 +1,272 @@
+"""The processor: unicorn executes, exceptions are modelled here (ARMv7-M, DDI 0403, section B1.5).
+
+Traps of unicorn that this file knows: it has no NVIC; a branch to EXC_RETURN comes as interrupt 8; it gives no
+instruction count; the program counter that a callback reads is that of an older block; WFI ends emu_start.
+"""
+
+import ctypes
+import mmap
+import struct
+import subprocess
+import tempfile
+from pathlib import Path
+
+import unicorn
+from unicorn import arm_const as arm
+from unicorn.unicorn_py3.unicorn import uclib
+
+from stm32g431.registers import NEVER, Stopped
+
+FLASH, FLASH_SIZE = 0x0800_0000, 0x2_0000
+RAM, RAM_SIZE = 0x2000_0000, 0x8000
+SYSTEM = 0x1FFF_7000
+PAGE = 0x1000
+NMI, HARD_FAULT, SYSTICK, EXTERNAL = 2, 3, 15, 16
+THREAD = 0x100
+"""Priority of the program outside exceptions: below every other."""
+EXC_RETURN, EXC_RETURN_NESTED, NO_FLOAT = 0xFFFF_FFE9, 0xFFFF_FFE1, 0x10
+EXCEPTION_EXIT = 8
+WFI = b"\x30\xbf"
+FLOATS = [arm.UC_ARM_REG_S0 + index for index in range(16)]
+FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3, arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR]
+ENTRY_CYCLES, EXIT_CYCLES = 12, 10
+"""Cycles of an exception's entry and return without wait states (Cortex-M4 TRM, DDI 0439, section 3.9.1)."""
+
+
+class Clock(ctypes.Structure):
+    """The structure of clock.c."""
+
+    _fields_ = [(name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "mask", "start", "end", "stack", "lowest")] + [
+        (name, ctypes.c_void_p) for name in ("program", "stop", "read")
+    ]
+
+
+def compiled() -> ctypes.CDLL:
+    """Compiles clock.c, once."""
+    if not hasattr(compiled, "library"):
+        folder = tempfile.TemporaryDirectory()
+        library = Path(folder.name) / "clock.so"
+        source = Path(__file__).with_name("clock.c")
+        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-Wall", "-Werror", "-o", library, source], check=True)
+        compiled.folder, compiled.library = folder, ctypes.CDLL(str(library))
+    return compiled.library
+
+
+class Processor:
+    """Cortex-M4F with its NVIC. `bus` has `read(address, size)` and `write(address, size, value)`."""
+
+    def __init__(self, bus: object, program_end: int, stack_end: int) -> None:
+        self.bus, self.stack_end = bus, stack_end
+        engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
+        engine.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
+        self.engine = engine
+        # A copy of this process has its own memories.
+        private = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
+        self.flash = mmap.mmap(-1, FLASH_SIZE, flags=private)
+        self.ram = mmap.mmap(-1, RAM_SIZE, flags=private)
+        # The pages behind the program are data of its own: they are registers to the emulator, so that errors of a
+        # word, and writes, are the flash controller's.
+        self.data_start = -(-program_end // PAGE) * PAGE
+        flash = ctypes.addressof((ctypes.c_char * FLASH_SIZE).from_buffer(self.flash))
+        ram = ctypes.addressof((ctypes.c_char * RAM_SIZE).from_buffer(self.ram))
+        code = unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC
+        engine.mem_map_ptr(FLASH, self.data_start - FLASH, code, flash)
+        engine.mem_map_ptr(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE, ram)
+        engine.mem_map(SYSTEM, PAGE, unicorn.UC_PROT_READ)
+        self._map_registers()
+        self.clock = Clock(deadline=NEVER, stack=arm.UC_ARM_REG_SP, start=FLASH, end=self.data_start, program=flash)
+        self.clock.stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
+        self.clock.read = ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value
+        hook = ctypes.c_size_t()
+        function = ctypes.cast(compiled().on_block, ctypes.c_void_p)
+        everywhere = (ctypes.c_uint64(1), ctypes.c_uint64(0))
+        uclib.uc_hook_add(engine._uch, ctypes.byref(hook), unicorn.UC_HOOK_BLOCK, function, ctypes.byref(self.clock), *everywhere)
+        engine.hook_add(unicorn.UC_HOOK_INTR, self._interrupted)
+        self.exception = 0
+        self.reset_state()
+
+    def _map_registers(self) -> None:
+        ends = FLASH + FLASH_SIZE
+        blocks = [(self.data_start, ends - self.data_start), (0x4000_0000, 0x3_0000), (0x4800_0000, 0x2000), (0x5000_0000, 0x2000), (0xE000_0000, 0x10_0000)]
+        for start, size in blocks:
+
+            def read(engine: unicorn.Uc, offset: int, size: int, start: int) -> int:
+                try:
+                    return self.bus.read(start + offset, size)
+                except Exception as problem:
+                    self._stop(problem)
+                    return 0
+
+            def write(engine: unicorn.Uc, offset: int, size: int, value: int, start: int) -> None:
+                try:
+                    self.bus.write(start + offset, size, value)
+                except Exception as problem:
+                    self._stop(problem)
+
+            self.engine.mmio_map(start, size, read, start, write, start)
+
+    def _stop(self, problem: Exception) -> None:
+        """Ends the run with this exception; a callback cannot raise it."""
+        self._problem = self._problem or problem
+        self.engine.emu_stop()
+
+    def reset_state(self) -> None:
+        """Everything but memory as a reset leaves it."""
+        self.enabled: set[int] = set()
+        self.priority = [0] * 128
+        self.pending: set[int] = set()
+        self.levels: set[int] = set()
+        self.active: list[int] = []
+        self.sleeps = False
+        self.vectors = FLASH
+        self.longest: dict[int, tuple[int, int]] = {}
+        """Instructions and time of the longest run of every exception."""
+        self._entered: list[tuple[int, int, int]] = []
+
+    def start(self) -> None:
+        """Loads stack pointer and program counter from the vector table (B1.5.5)."""
+        stack, entry = struct.unpack_from("<II", self.flash, self.vectors - FLASH)
+        engine = self.engine
+        for register in (*FRAME, *(arm.UC_ARM_REG_R4 + index for index in range(8))):
+            engine.reg_write(register, 0)
+        engine.reg_write(arm.UC_ARM_REG_XPSR, 1 << 24)
+        engine.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
+        engine.reg_write(arm.UC_ARM_REG_CONTROL, 0)
+        engine.reg_write(arm.UC_ARM_REG_SP, stack)
+        engine.reg_write(arm.UC_ARM_REG_LR, 0xFFFF_FFFF)
+        self.clock.lowest = stack
+        self.pc = entry & ~1
+
+    # NVIC (B3.4)
+
+    def set_level(self, number: int, is_high: bool) -> None:
+        """The line of an interrupt: it is pending while it is high and not being handled."""
+        if is_high:
+            self.levels.add(number)
+        else:
+            self.levels.discard(number)
+
+    def waiting(self) -> int | None:
+        """The most urgent exception that would interrupt what runs, whether it is masked or not."""
+        now = self._priority(self.active[-1]) if self.active else THREAD
+        best, number = now, None
+        for exception in self.pending | self.levels:
+            if exception in self.active or (exception >= EXTERNAL and exception not in self.enabled):
+                continue
+            priority = self._priority(exception)
+            if priority < best or (priority == best and number is not None and exception < number):
+                best, number = priority, exception
+        return number
+
+    def attend(self) -> None:
+        """Looks for an exception that waits, while the emulator runs: it stops when none of them is masked."""
+        if self.waiting() is not None:
+            self.clock.mask = arm.UC_ARM_REG_PRIMASK
+
+    def _priority(self, exception: int) -> int:
+        # STM32G4 implements the four upper bits.
+        return {NMI: -2, HARD_FAULT: -1}.get(exception, self.priority[exception] & 0xF0)
+
+    def is_masked(self, exception: int) -> bool:
+        return exception > HARD_FAULT and bool(self.engine.reg_read(arm.UC_ARM_REG_PRIMASK) & 1)
+
+    def enter(self, exception: int) -> None:
+        """Exception entry (B1.5.6): stacks the frame, and branches to the vector."""
+        engine = self.engine
+        stack = engine.reg_read(arm.UC_ARM_REG_SP)
+        status = engine.reg_read(arm.UC_ARM_REG_XPSR)
+        has_floats = bool(engine.reg_read(arm.UC_ARM_REG_CONTROL) & 4)
+        aligned = stack - (stack & 4)
+        if has_floats:
+            aligned -= 72
+            floats = [engine.reg_read(register) for register in FLOATS]
+            engine.mem_write(aligned, struct.pack("<18I", *floats, engine.reg_read(arm.UC_ARM_REG_FPSCR), 0))
+        aligned -= 32
+        words = [engine.reg_read(register) for register in FRAME]
+        status = status & ~(1 << 9) | (1 << 9 if stack & 4 else 0) | 1 << 24
+        engine.mem_write(aligned, struct.pack("<8I", *words, self.pc, status))
+        engine.reg_write(arm.UC_ARM_REG_SP, aligned)
+        link = (EXC_RETURN_NESTED if self.active else EXC_RETURN) | (0 if has_floats else NO_FLOAT)
+        engine.reg_write(arm.UC_ARM_REG_LR, link)
+        if has_floats:
+            engine.reg_write(arm.UC_ARM_REG_CONTROL, engine.reg_read(arm.UC_ARM_REG_CONTROL) & ~4)
+        self.clock.time += ENTRY_CYCLES * self.clock.per_cycle
+        self._branch(exception)
+
+    def _branch(self, exception: int) -> None:
+        self.active.append(exception)
+        self.pending.discard(exception)
+        self.engine.reg_write(arm.UC_ARM_REG_XPSR, 1 << 24 | exception)
+        vector = struct.unpack_from("<I", self.flash, self.vectors - FLASH + 4 * exception)[0]
+        self.pc = vector & ~1
+        self._entered.append((exception, self.clock.instructions, self.clock.time))
+
+    def leave(self) -> None:
+        """Exception return (B1.5.8); an exception that waits is entered without unstacking (tail-chaining)."""
+        link = self.pc | 1
+        self.active.pop()
+        exception, instructions, time = self._entered.pop()
+        spent = (self.clock.instructions - instructions, self.clock.time - time)
+        self.longest[exception] = max(self.longest.get(exception, (0, 0)), spent)
+        waiting = self.waiting()
+        engine = self.engine
+        if waiting is not None and not self.is_masked(waiting):
+            engine.reg_write(arm.UC_ARM_REG_LR, link)
+            self.clock.time += 6 * self.clock.per_cycle
+            self._branch(waiting)
+            return
+        stack = engine.reg_read(arm.UC_ARM_REG_SP)
+        *words, self.pc, status = struct.unpack("<8I", engine.mem_read(stack, 32))
+        for register, word in zip(FRAME, words, strict=True):
+            engine.reg_write(register, word)
+        stack += 32
+        control = engine.reg_read(arm.UC_ARM_REG_CONTROL)
+        if not link & NO_FLOAT:
+            *floats, flags, _ = struct.unpack("<18I", engine.mem_read(stack, 72))
+            for register, word in zip(FLOATS, floats, strict=True):
+                engine.reg_write(register, word)
+            engine.reg_write(arm.UC_ARM_REG_FPSCR, flags)
+            stack += 72
+            engine.reg_write(arm.UC_ARM_REG_CONTROL, control | 4)
+        elif control & 4:
+            engine.reg_write(arm.UC_ARM_REG_CONTROL, control & ~4)
+        engine.reg_write(arm.UC_ARM_REG_SP, stack + (4 if status >> 9 & 1 else 0))
+        engine.reg_write(arm.UC_ARM_REG_XPSR, status & ~(1 << 9))
+        self.clock.time += EXIT_CYCLES * self.clock.per_cycle
+
+    def _interrupted(self, engine: unicorn.Uc, number: int, _: object) -> None:
+        self._cause = number
+        engine.emu_stop()
+
+    def run(self, deadline: int) -> None:
+        """Executes until `deadline`, or until something else needs attention."""
+        waiting = self.waiting()
+        clock = self.clock
+        clock.mask = 0
+        if waiting is not None:
+            if not self.is_masked(waiting):
+                self.enter(waiting)
+            else:
+                clock.mask = arm.UC_ARM_REG_PRIMASK
+        clock.deadline = deadline
+        self._cause = None
+        self._problem: Exception | None = None
+        try:
+            self.engine.emu_start(self.pc | 1, 0xFFFF_FFFF)
+        except unicorn.UcError as error:
+            raise Stopped(f"the processor: {error}") from None
+        if self._problem is not None:
+            raise self._problem
+        self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)
+        if clock.lowest < self.stack_end:
+            raise Stopped(f"the stack reaches down to {clock.lowest:#x}, into the variables below {self.stack_end:#x}")
+        if self._cause == EXCEPTION_EXIT:
+            self.leave()
+        elif self._cause is not None:
+            raise Stopped(f"the processor takes exception {self._cause} of the emulator")
+        elif clock.time < deadline and self._is_behind_wfi():
+            self.sleeps = True
+
+    def _is_behind_wfi(self) -> bool:
+        place = self.pc - FLASH - 2
+        return bytes(self.flash[place : place + 2]) == WFI

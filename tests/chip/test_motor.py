@@ -1,0 +1,45 @@
+"""The motor turns: hall sensors, without sensors, load, reverse, stop."""
+
+import pytest
+from conftest import Bench
+from narx import Load, State
+
+SPEED = 2000
+
+
+def test_a_hall_motor_starts_holds_its_speed_under_load_reverses_and_stops(image, hall_flash):
+    bench = Bench(image, hall_flash)
+    bench.stand_by()
+    bench.drive.start(SPEED)
+    assert bench.drive.state is State.HALL_CLOSED_LOOP
+    bench.run(0.3)
+    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+    assert bench.drive.measurements.speed == pytest.approx(SPEED, rel=1e-2)
+
+    bench.plant.set_load(Load(constant=0.1))
+    bench.run(0.3)
+    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+    assert bench.drive.measurements["HV Current"] > 0.5
+    bench.plant.set_load(Load())
+
+    bench.drive.stop()
+    bench.reach(State.STANDBY)
+    assert bench.chip.gates == ("off", "off", "off")
+    assert bench.wait(lambda: abs(bench.plant.speed) < 50, 3.0), "it comes to rest by itself"
+    bench.drive.start(-1500)
+    bench.run(0.3)
+    assert bench.mean_speed() == pytest.approx(-1500, rel=5e-3)
+    assert bench.drive.faults == set() and bench.chip.resets == []
+
+
+def test_a_motor_starts_without_sensors_and_holds_its_speed_under_load(image, sensorless_flash):
+    bench = Bench(image, sensorless_flash)
+    bench.stand_by()
+    bench.drive.start(SPEED)
+    assert bench.drive.state is State.SENSORLESS_CLOSED_LOOP
+    bench.run(0.4)
+    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+    bench.plant.set_load(Load(constant=0.08))
+    bench.run(0.3)
+    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+    assert bench.drive.faults == set() and bench.chip.resets == []
