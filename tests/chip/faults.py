@@ -108,6 +108,7 @@ TURNING = {
     "slowest filter of the break": writes("TIM1.BDTR", field(16, 4, 15)),
     "comparator 2 does not break": writes("TIM1.AF1", without(2)),
     "outputs never on": writes("TIM1.BDTR", without(15)),
+    "only rising edges captured": writes("TIM4.CCER", without(1, 5, 9)),
     "captures of lines A and B swapped": both(reads("TIM4.SR", swapped(1, 2, 1))),
     "no captures": writes("TIM4.CCER", lambda value: 0),
     "no interrupt at a commutation": writes("TIM4.DIER", lambda value: 0),
@@ -221,6 +222,9 @@ def _examine(bench, sensorless):
         return f"{speed:.0f} rpm instead of {SPEED}"
     if chip.resets or drive.faults:
         return f"resets {chip.resets}, faults {drive.faults}"
+    captures = chip.capture_timer
+    if not sensorless and captures.taken < 0.95 * captures.edges:
+        return f"{captures.taken} captures of {captures.edges} edges"
     if differences:
         return f"the duty changes inside a period, {len(differences)} times"
     dead = sorted(edges.dead)[len(edges.dead) // 2] if edges.dead else 0.0

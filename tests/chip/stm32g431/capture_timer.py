@@ -36,6 +36,8 @@ class CaptureTimer(Peripheral):
         self.level = 0
         self.waiting: list[tuple[int, int]] = []
         """Filtered edges to come: time and channel."""
+        self.edges = self.taken = 0
+        """Edges of the lines, and captures that the processor has read."""
 
     def count(self, time: int) -> int:
         return 0 if self.started is None else (time - self.started) // self.unit % RANGE
@@ -54,6 +56,7 @@ class CaptureTimer(Peripheral):
     def hall(self, time: int, code: int) -> None:
         """The hall lines have changed at `time`."""
         changed, self.level = self.level ^ code, code
+        self.edges += changed.bit_count()
         for channel, pin in PINS.items():
             if changed >> (channel - 1) & 1 and self.chip.ports["B"].function(pin) == FUNCTION and self.started is not None:
                 self._edge(time, channel, bool(code >> (channel - 1) & 1))
@@ -85,6 +88,7 @@ class CaptureTimer(Peripheral):
     def _capture(self, channel: int) -> int:
         self.chip.follow_plant()
         self._take_edges()
+        self.taken += self.status >> channel & 1
         self.status &= ~(1 << channel)
         self._signal()
         return self.captured[channel - 1]
