@@ -3,6 +3,7 @@
 
 use super::slots;
 use core::future::poll_fn;
+use core::num::NonZeroU64;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::task::Poll;
 use embedded_storage_async::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, ReadNorFlash};
@@ -32,7 +33,7 @@ pub fn now() -> u64 {
 pub struct Chip {
     model: Flash<&'static mut [u8]>,
     /// Length of a control tick, ns; `None` before the clock was started.
-    tick_ns: Option<u64>,
+    tick_ns: Option<NonZeroU64>,
     /// Busy time that has not been waited for, below one tick, ns.
     owed: u64,
 }
@@ -52,7 +53,7 @@ impl Chip {
 
     /// From now on operations last. `tick_rate`: control ticks a second.
     pub fn start_clock(&mut self, tick_rate: u16) {
-        self.tick_ns = Some(1_000_000_000 / u64::from(tick_rate.max(1)));
+        self.tick_ns = NonZeroU64::new(1_000_000_000 / u64::from(tick_rate.max(1)));
         self.model.take_busy();
     }
 

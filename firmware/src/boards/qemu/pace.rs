@@ -1,6 +1,7 @@
 //! Keeps simulated time from running ahead of the clock on the wall.
 
 use super::kept;
+use core::num::NonZeroU64;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -33,7 +34,7 @@ pub fn look_for_millisecond() {
 
 /// Compares ticks with milliseconds since an instant at which both were together.
 pub struct Pace {
-    tick_rate: u64,
+    tick_rate: NonZeroU64,
     tick: u64,
     millisecond: u32,
 }
@@ -46,7 +47,11 @@ impl Pace {
         timer.clear_current();
         timer.enable_interrupt();
         timer.enable_counter();
-        Self { tick_rate: tick_rate.max(1).into(), tick: 0, millisecond: 0 }
+        Self {
+            tick_rate: NonZeroU64::new(tick_rate.into()).unwrap_or(NonZeroU64::MIN),
+            tick: 0,
+            millisecond: 0,
+        }
     }
 
     /// Sleeps while `tick` is ahead of the clock.
