@@ -43,4 +43,4 @@ def test_the_broadcast_speed_is_the_speed_of_the_csv():
     fixed = ["time", "setpoint", "speed", "speed_estimated", "state", "sector", "duty", "current_a", "current_b",
              "current_c", "bus_current", "bus_voltage", "torque"]
     assert list(rows[0])[: len(fixed)] == fixed
-    assert len(rows) == 15_000
+    assert len(rows) == 30_000, "1.5 s at 20 kHz"
