@@ -118,8 +118,10 @@ impl Bench {
     fn keep_rows(&self, py: Python<'_>, places: Vec<usize>, every: Given) -> PyResult<()> {
         let every: u32 = error::whole("every", every, "", 1, EVERY_MAX)?;
         let every = NonZeroU32::new(every).unwrap_or(NonZeroU32::MIN);
-        self.session.with(py, |session| session.bench_mut().set_trace_of(&places, every));
-        Ok(())
+        match self.session.with(py, |session| session.bench_mut().set_trace_of(&places, every)) {
+            true => Ok(()),
+            false => Err(error::parameter(format!("places {places:?}: must be below {}", SIGNALS.len()))),
+        }
     }
 
     /// Keeps no rows from now on; forgets those so far.

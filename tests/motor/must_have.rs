@@ -349,6 +349,30 @@ fn a_pulse_has_a_least_length() {
     assert!((rpm / 600.0 - 1.0).abs() < 0.02, "{rpm} rpm");
 }
 
+/// Below 33 electrical rev/s without sensors the set-point falls by 6 % in a revolution, whatever the ramp is;
+/// one that is to reverse stops by the ramp.
+#[test]
+fn a_slow_set_point_falls_no_faster_than_crossings_show() {
+    let changes = [(number::SPEED_MIN_SL, 100), (number::SPEED_RATE, 1_000_000)];
+    let after = |request: RunRequest| {
+        let mut closed = Closed::sensorless(&PlantConfig { angle_deg: 77.0, ..config() }, &changes);
+        closed.set_point = 480.0;
+        closed.boot();
+        closed.ask(RunRequest::Drive);
+        closed.run(20_000);
+        let (before, turns) = (closed.status.setpoint, closed.plant.observe().electrical_turns);
+        closed.set_point = 100.0;
+        closed.ask(request);
+        while closed.plant.observe().electrical_turns < turns + 1.0 && closed.drive.state().is_driving() {
+            closed.tick();
+        }
+        f64::from(closed.status.setpoint.to_bits()) / f64::from(before.to_bits())
+    };
+    let (falls, stops) = (after(RunRequest::Drive), after(RunRequest::Reverse));
+    assert!((0.92..0.97).contains(&falls), "{falls} of the set-point after a revolution");
+    assert!(stops < 0.1, "{stops} of the set-point after a revolution");
+}
+
 /// The voltage that dead time takes from the pulse is added: the lock's level is its share of the nominal
 /// supply, on the present bus voltage, plus 0.5 % for 500 ns.
 #[test]

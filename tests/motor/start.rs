@@ -4,7 +4,7 @@ use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, RunRequest, State};
 use narx_lab::promises::{Point, Start, map};
-use narx_sim::commissioning::{Mode, Nameplate, SpeedLimit};
+use narx_sim::commissioning::{Mode, SpeedLimit};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
@@ -135,19 +135,13 @@ fn presets_that_samples_limit_are_faster_at_20_khz() {
     );
     for preset in &PRESETS {
         let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
-        let plate = Nameplate {
-            motor: preset.motor,
-            rated_current: preset.data.rated_current,
-            supply,
-            open_loop_speed: None,
-        };
-        let [slow, quick] =
-            [&Board::BENCH, &fast].map(|board| plate.commission_on(board, Mode::Sensorless, None).unwrap());
+        let point = |board| Point { board, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None };
+        let [slow, quick] = [Board::BENCH, fast].map(|board| point(board).commission().unwrap());
         if slow.speed_limit != SpeedLimit::Samples {
             continue;
         }
         let rpm = quick.speed_max.floor();
-        let point = Point { board: fast, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: Some(rpm) };
+        let point = Point { rpm: Some(rpm), ..point(fast) };
         let held = point.run().map(|figures| rpm * (1.0 + figures.error));
         let held = held.map_or_else(|why| why.to_string(), |rpm| format!("{rpm:.0}"));
         let (rated, limit) = (preset.data.rated_speed.unwrap_or(0.0), quick.speed_limit.name());

@@ -3,7 +3,8 @@
 //! ```text
 //! samples -> sense (measurement) -> rotor (hall | sensorless: back_emf, zero_crossing, listening | open_loop)
 //!         -> guard (protection, fault, open_phase, rails) -> machine (state)
-//!         -> commutate (commutator, commutation) -> control (limits, pi, steady) -> pwm
+//!         -> commutate (commutator, commutation) -> control (limits, pi, steady)
+//!         -> commutate (pulses, pwm)
 //! ```
 
 pub mod drive;

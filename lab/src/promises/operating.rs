@@ -114,7 +114,10 @@ impl Point<'_> {
     }
 
     /// Commissions the motor for its mode.
-    pub(crate) fn commission(&self) -> Result<Commissioning, CommissioningError> {
+    ///
+    /// # Errors
+    /// The drive's limits do not allow this motor.
+    pub fn commission(&self) -> Result<Commissioning, CommissioningError> {
         self.plate().commission_on(&self.board, self.mode, None)
     }
 

@@ -2,12 +2,13 @@
 //! backward it is braked and started.
 
 use super::Context;
+use super::operating::Point;
 use super::trial::Trial;
 use narx_core::motor::Board;
 use narx_core::motor::control::limits::Limiter;
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::commissioning::Mode;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use std::f64::consts::TAU;
@@ -45,22 +46,17 @@ pub(super) fn part(context: &Context<'_>) -> Part {
 
 /// Time from the request until the bridge leads a rotor in the direction of the request, at the slowest speed
 /// of its closed loop or faster, s; the rotor turns with `share` of the set-point at the request. Infinite if
-/// it takes more than 5 s, 0 if commissioning refuses the motor.
+/// it takes more than 5 s, or commissioning refuses the motor.
 fn until_led(preset: &Preset, share: f64, board: &Board) -> f64 {
     let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
-    let plate = Nameplate {
-        motor: preset.motor,
-        rated_current: preset.data.rated_current,
-        supply,
-        open_loop_speed: None,
-    };
-    let Ok(commissioning) = plate.commission_on(board, Mode::Sensorless, None) else { return 0.0 };
+    let point = Point { board: *board, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None };
+    let Ok(commissioning) = point.commission() else { return f64::INFINITY };
     let rpm = (0.5 * (commissioning.speed_min + commissioning.speed_max)) as i32;
     let speed = share * f64::from(rpm) / 60.0 * TAU;
     // The machine overcomes the friction at this speed, and lets go of the shaft with the request.
     let friction = preset.motor.static_friction + preset.motor.viscous_friction * speed.abs();
     let load = LoadConfig { machine: -friction * speed.signum(), ..LoadConfig::default() };
-    let plant = PlantConfig { speed, load, board: *board, ..PlantConfig::new(preset.motor, supply) };
+    let plant = PlantConfig { speed, load, ..point.plant() };
     let mut trial = Trial::new(&plant, &commissioning, "", false);
     trial.bench.plant_mut().set_load(LoadConfig::default());
     trial.start(rpm);

@@ -1,5 +1,6 @@
 //! The promises about starting: share of successful starts, and time to closed loop.
 
+use super::operating::Point;
 use super::start::Start;
 use super::trial::Trial;
 use super::{Context, picture};
@@ -7,7 +8,7 @@ use crate::pwm_rate;
 use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::commissioning::Mode;
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::{PRESETS, Preset};
 use std::fs;
@@ -97,14 +98,9 @@ pub(super) fn nominal(context: &Context<'_>) -> Part {
 /// Time from the request to state 4, s; infinite if it takes more than 5 s, 0 if commissioning refuses the
 /// motor.
 fn to_closed_loop(preset: &Preset, supply: f64, angle_deg: f64, board: &Board) -> f64 {
-    let plate = Nameplate {
-        motor: preset.motor,
-        rated_current: preset.data.rated_current,
-        supply,
-        open_loop_speed: None,
-    };
-    let Ok(commissioning) = plate.commission_on(board, Mode::Sensorless, None) else { return 0.0 };
-    let plant = PlantConfig { angle_deg, board: *board, ..PlantConfig::new(preset.motor, supply) };
+    let point = Point { board: *board, preset, mode: Mode::Sensorless, supply, load: 0.0, rpm: None };
+    let Ok(commissioning) = point.commission() else { return 0.0 };
+    let plant = PlantConfig { angle_deg, ..point.plant() };
     let mut trial = Trial::new(&plant, &commissioning, "", false);
     trial.start((0.5 * (commissioning.speed_min + commissioning.speed_max)) as i32);
     trial.until(5.0, |trial| trial.state() == State::SensorlessClosedLoop).unwrap_or(f64::INFINITY)

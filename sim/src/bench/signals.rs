@@ -111,14 +111,12 @@ pub(super) struct Kept {
 impl Kept {
     /// Every signal in every tick.
     pub(super) fn all() -> Self {
-        Self::of(&core::array::from_fn::<_, COUNT, _>(|place| place), NonZeroU32::MIN)
+        Self::of(TABLE.into_iter(), NonZeroU32::MIN)
     }
 
-    /// The signals at these places of [`SIGNALS`], in one of `every` ticks; a place that does not exist is
-    /// left out.
-    fn of(places: &[usize], every: NonZeroU32) -> Self {
-        let (signals, values): (Vec<Signal>, Vec<Value>) =
-            places.iter().filter_map(|place| TABLE.get(*place).copied()).unzip();
+    /// These signals, in one of `every` ticks.
+    fn of(columns: impl Iterator<Item = (Signal, Value)>, every: NonZeroU32) -> Self {
+        let (signals, values): (Vec<Signal>, Vec<Value>) = columns.unzip();
         Self { trace: Trace::new(&signals), values, every: every.get(), left: every.get() }
     }
 
@@ -142,8 +140,15 @@ impl Bench {
 
     /// Keeps a row of one in `every` ticks from now on, with the signals at these places of [`SIGNALS`];
     /// forgets the rows so far. The fewer signals, the faster: what none of them needs is not computed.
-    pub fn set_trace_of(&mut self, places: &[usize], every: NonZeroU32) {
-        self.kept = Some(Kept::of(places, every));
+    /// False, and nothing changes, if there is no such place.
+    #[must_use]
+    pub fn set_trace_of(&mut self, places: &[usize], every: NonZeroU32) -> bool {
+        if places.iter().any(|place| *place >= COUNT) {
+            return false;
+        }
+        let columns = places.iter().filter_map(|place| TABLE.get(*place).copied());
+        self.kept = Some(Kept::of(columns, every));
+        true
     }
 
     /// The rows so far; empty if the bench keeps none.

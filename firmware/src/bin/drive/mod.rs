@@ -232,7 +232,7 @@ fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
         };
         if !is_understood {
             hprintln!(
-                "{} {}: expected --motor NAME, --supply VOLTS, --pwm-rate HZ, --watchdog MS, --trouble WHAT or --after TICKS",
+                "{} {}: expected --motor NAME, --supply VOLTS, --pwm-rate HZ (8000 to 50000), --watchdog MS, --trouble WHAT or --after TICKS",
                 option,
                 value
             );
