@@ -349,8 +349,8 @@ fn a_pulse_has_a_least_length() {
     assert!((rpm / 600.0 - 1.0).abs() < 0.02, "{rpm} rpm");
 }
 
-/// Below 33 electrical rev/s without sensors the set-point falls by 6 % in a revolution, whatever the ramp is;
-/// one that is to reverse stops by the ramp.
+/// Below 33 electrical rev/s without sensors the set-point falls by 6 % in a revolution, whatever the ramp
+/// is; one that is to reverse stops by the ramp.
 #[test]
 fn a_slow_set_point_falls_no_faster_than_crossings_show() {
     let changes = [(number::SPEED_MIN_SL, 100), (number::SPEED_RATE, 1_000_000)];
