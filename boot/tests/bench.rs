@@ -3,9 +3,9 @@
 use narx_boot::sign::SecretKey;
 use narx_boot::{Header, Version, hardware};
 use narx_core::bus::narmotion::update::UpdateCode;
+use narx_core::commissioning::Mode;
 use narx_core::master::{Image, UpdateError};
 use narx_core::motor::State;
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 use narx_sim::session::{Session, SessionConfig};
 

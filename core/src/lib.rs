@@ -46,10 +46,14 @@ extern crate std;
 mod blind;
 pub mod blocks;
 pub mod bus;
+#[cfg(feature = "engineering")]
+pub mod commissioning;
 pub mod description;
 pub mod device;
 pub mod dictionary;
 pub mod eddycan;
+#[cfg(feature = "engineering")]
+pub mod identification;
 #[cfg(feature = "engineering")]
 pub mod initialiser;
 pub mod master;

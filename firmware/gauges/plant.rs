@@ -17,11 +17,11 @@ fn main() -> ! {
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
+    use narx_core::commissioning::{Mode, Nameplate};
     use narx_core::device::Queues;
     use narx_core::master::{Config, Master};
     use narx_core::node::Identity;
     use narx_firmware::boards::qemu::{MOTOR, instructions};
-    use narx_sim::commissioning::{Mode, Nameplate};
     use narx_sim::plant::{Plant, PlantConfig};
     use narx_sim::presets::preset;
 
@@ -37,7 +37,7 @@ mod image {
         let preset = preset(MOTOR)?;
         let supply = preset.data.nominal_voltage;
         let rated_current = preset.data.rated_current;
-        let plate = Nameplate { motor: preset.motor, rated_current, supply, open_loop_speed: None };
+        let plate = Nameplate { motor: preset.motor.figures(), rated_current, supply, open_loop_speed: None };
         let parameters = plate.commission(Mode::Hall).ok()?.parameters;
         let config = PlantConfig::new(preset.motor, supply);
         let (mut tick, mut background) = queues.power_up(Identity::default(), config.board, parameters);

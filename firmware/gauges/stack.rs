@@ -35,6 +35,7 @@ mod image {
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
     use cortex_m_semihosting::hprintln;
+    use narx_core::commissioning::{Mode, Nameplate};
     use narx_core::device::{ControlTick, Queues};
     use narx_core::dictionary::number;
     use narx_core::master::{Config, Download, Master, Request, Service};
@@ -46,7 +47,6 @@ mod image {
     use narx_firmware::boards::qemu::flash::Chip;
     use narx_firmware::boards::qemu::stack::used;
     use narx_firmware::boards::qemu::{MOTOR, semihosting};
-    use narx_sim::commissioning::{Mode, Nameplate};
     use narx_sim::plant::{Plant, PlantConfig};
     use narx_sim::presets::preset;
     use serde::Deserialize;
@@ -131,7 +131,7 @@ mod image {
         let preset = preset(MOTOR)?;
         let supply = preset.data.nominal_voltage;
         let rated_current = preset.data.rated_current;
-        let plate = Nameplate { motor: preset.motor, rated_current, supply, open_loop_speed: None };
+        let plate = Nameplate { motor: preset.motor.figures(), rated_current, supply, open_loop_speed: None };
         let parameters = plate.commission(Mode::Hall).ok()?.parameters;
         let config = PlantConfig::new(preset.motor, supply);
         let mut chip = Chip::take()?;

@@ -6,10 +6,10 @@ use narx_core::blocks::{
     Commutation, CommutationSettings, Fault, FaultSettings, Hall, HallSettings, Pi, PiSettings, Ramp,
     RampSettings, SettingError, StateMachine, StateSettings, ZeroCrossing, ZeroCrossingSettings,
 };
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::initialiser::{self, define};
 use narx_core::motor::gain::Gain;
 use narx_core::motor::{Board, Coefficients};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::presets::preset;
 use std::path::Path;
 
@@ -25,7 +25,7 @@ const MOTOR: &str = "bly172s-24v";
 pub fn make(_: &Path) -> Result<Made, String> {
     let preset = preset(MOTOR).ok_or_else(|| format!("there is no preset {MOTOR}"))?;
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply: preset.data.nominal_voltage,
         open_loop_speed: None,

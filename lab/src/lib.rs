@@ -7,6 +7,7 @@
 pub mod certificate;
 pub mod conformance;
 pub mod floor;
+pub mod identify;
 pub mod promises;
 pub mod pwm_rate;
 pub mod quality;

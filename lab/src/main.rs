@@ -1,7 +1,7 @@
 //! Commands of `cargo xtask` that experiment on the bench.
 
 use clap::{Parser, Subcommand};
-use narx_lab::{certificate, conformance, promises, quality, running, vectors, worlds};
+use narx_lab::{certificate, conformance, identify, promises, quality, running, vectors, worlds};
 use narx_report::root;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -26,6 +26,8 @@ enum Job {
     /// Measure where the sensorless start succeeds and where it fails; writes docs/evidence/starts.json and
     /// certificate.svg
     Certificate(certificate::Arguments),
+    /// Identify every motor of the market and random motors on the bench, and compare with the truth
+    Identify(identify::Arguments),
     /// Replay vectors or arbitrary recordings on the given targets, and compare every digest; `--out
     /// docs/evidence` writes docs/evidence/conformance.json
     Conformance(conformance::Arguments),
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         Job::Quality(arguments) => quality::command(root, &arguments),
         Job::Worlds(arguments) => worlds::command(root, &arguments),
         Job::Certificate(arguments) => certificate::command(root, &arguments),
+        Job::Identify(arguments) => identify::command(root, &arguments),
         Job::Conformance(arguments) => conformance::command(root, &arguments),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Running { out } => running::command(&out),

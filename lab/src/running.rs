@@ -1,9 +1,9 @@
 //! The demonstration's motor in steady running: recordings whose ticks are counted, made on the bench when
 //! they are needed.
 
+use narx_core::commissioning::Mode;
 use narx_core::motor::State;
 use narx_report::{figures, steps};
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, Phase};
 use narx_sim::session::{Session, SessionConfig};
 use narx_terminal::demo;

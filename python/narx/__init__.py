@@ -34,6 +34,7 @@ from narx.errors import (
     SpeedWarning,
     StartError,
 )
+from narx.identification import Figure, Identified
 from narx.log import Log
 from narx.log_file import read_log
 from narx.messages import Message, NodeMessage, decode
@@ -58,7 +59,9 @@ __all__ = [
     "DescriptionWarning",
     "Drive",
     "Fault",
+    "Figure",
     "Frames",
+    "Identified",
     "ImageError",
     "Info",
     "Limiter",

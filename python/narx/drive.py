@@ -16,6 +16,7 @@ from narx._core import State
 from narx.description import describe
 from narx.errors import BusError, NarxError, NarxWarning, NoAnswerError, ParameterError, RefusedError, SignalError, SpeedWarning
 from narx.extras import EXTRAS, need
+from narx.identification import Identified, identify
 from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
@@ -351,6 +352,30 @@ class Drive:
             self._finish()
         else:
             self._request("calibrate hall")
+
+    def identify(
+        self,
+        pole_pairs: int,
+        current: float | None = None,
+        bridge: float | None = None,
+        turn: bool = True,
+        progress: Callable[[str], None] | None = None,
+    ) -> Identified:
+        """Measures the motor's resistance, inductance, torque constant, inertia and friction: within some 15 s
+        the drive holds the rotor, spins it, lets it coast and accelerates it.
+
+        pole_pairs cannot be seen in volts and amperes. current: largest phase current, A; without it the one
+        whose heat in the winding is 6 W, 6 A at most. bridge: resistance of two switches of the drive, ohm;
+        without it that of narx's own board, 0.04. turn: False holds the rotor and measures resistance and
+        inductance alone. progress: called with the stage, "asking", "holding", "spinning", "accelerating",
+        "restoring".
+
+        The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
+        parameter has its former value, also after an error or Ctrl-C. Raises StartError for a motor that is
+        missing, blocked or incomplete, or that the drive cannot turn.
+        """
+        self._refuse_silence()
+        return identify(self._link, pole_pairs, current, bridge, turn, progress)
 
     def auto_calibrate(self) -> None:
         """Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus

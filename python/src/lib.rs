@@ -10,6 +10,7 @@ mod error;
 mod experiment;
 mod files;
 mod frame;
+mod identification;
 mod log_record;
 mod master;
 mod motor;
@@ -47,6 +48,8 @@ mod _core {
     use crate::files::{dbc, eds, xml};
     #[pymodule_export]
     use crate::frame::{decode, decode_node};
+    #[pymodule_export]
+    use crate::identification::Identification;
     #[pymodule_export]
     use crate::log_record::log_records;
     #[pymodule_export]

@@ -64,7 +64,7 @@ impl Master {
     }
 
     /// Calls `act` with the master and its time.
-    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Core, u64) -> T + Send) -> T {
+    pub(crate) fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Core, u64) -> T + Send) -> T {
         match &self.host {
             Host::Bench(session) => session.with(py, |session| {
                 let now = session.bench().now_ns() / 1000;
@@ -530,9 +530,14 @@ impl Master {
         .map_err(error::refused)
     }
 
+    /// The error of a job.
+    pub(crate) fn job_error(&self, error: JobError) -> PyErr {
+        job_error(&self.tables(), error)
+    }
+
     /// Returns whether a job has ended in success.
     fn ended(&self, end: Option<Result<(), JobError>>) -> PyResult<bool> {
-        end.transpose().map(|end| end.is_some()).map_err(|error| job_error(&self.tables(), error))
+        end.transpose().map(|end| end.is_some()).map_err(|error| self.job_error(error))
     }
 
     /// Advances the time to `now`; it never goes back.

@@ -3,9 +3,9 @@
 use crate::bench;
 use crate::error::{self, Given};
 use crate::notes;
+use narx_core::commissioning::{Commissioning, Mode, SUPPLY};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters};
-use narx_sim::commissioning::{Commissioning, Mode, SUPPLY};
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
 use narx_sim::session::SessionConfig;

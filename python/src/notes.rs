@@ -1,7 +1,7 @@
 //! Limits of the drive that hold a motor back, in sentences.
 
+use narx_core::commissioning::{Commissioning, SpeedLimit, TorqueLimit};
 use narx_core::dictionary::{Dictionary, engineering, number};
-use narx_sim::commissioning::{Commissioning, SpeedLimit, TorqueLimit};
 
 /// Share of the no-load speed from which on the supply voltage does not hold a motor back.
 const ALL: f64 = 0.9;

@@ -5,10 +5,10 @@
 //! Start and acceleration come first; only `measured` counts (`valgrind --tool=callgrind
 //! --toggle-collect=driven::measured`).
 
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::preset;
 use std::f64::consts::TAU;
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
     let speed = f64::from(RPM) * TAU / 60.0;
     let nominal_voltage = preset.data.nominal_voltage;
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply: nominal_voltage,
         open_loop_speed: None,

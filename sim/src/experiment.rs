@@ -1,12 +1,12 @@
 //! A start and what a test engineer reads off it: the same short run for many motors, loads, parameters and
 //! faults.
 
-use crate::commissioning::Mode;
 use crate::plant::{Injection, Observation};
 use crate::session::{Session, SessionConfig, SessionError};
 use alloc::format;
 use alloc::string::String;
 use core::f64::consts::TAU;
+use narx_core::commissioning::Mode;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_core::motor::{State, Status};
 

@@ -13,7 +13,6 @@ pub mod bench;
 pub mod can;
 #[cfg(feature = "alloc")]
 mod chip;
-pub mod commissioning;
 #[cfg(feature = "alloc")]
 pub mod commutations;
 #[cfg(feature = "alloc")]

@@ -4,11 +4,11 @@
 //! Commissioning gets the data sheet; the plant gets what is drawn here. The same seed draws the same plant
 //! everywhere.
 
-use crate::commissioning::{Commissioning, Mode, Nameplate};
 use crate::plant::{LoadConfig, MotorConfig, PlantConfig};
 use crate::presets::{PRESETS, Preset};
 use crate::random::Random;
 use core::f64::consts::TAU;
+use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::motor::Board;
@@ -94,7 +94,7 @@ impl RandomPlant {
         let reverse = between((0.0, 1.0)) < 0.5;
 
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply,
             open_loop_speed: None,

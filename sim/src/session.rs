@@ -1,13 +1,13 @@
 //! A commissioned drive on a bench with its master: what a notebook or a page plays with.
 
 use crate::bench::{Bench, BenchConfig};
-use crate::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::RangeInclusive;
 use narx_core::bus::Frame;
+use narx_core::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use narx_core::dictionary::engineering::{self, ValueError};
 #[cfg(feature = "update")]
 use narx_core::master::Image;
@@ -107,7 +107,7 @@ impl SessionConfig {
     pub fn commission(&self) -> Result<Commissioning, SessionError> {
         let motor = MotorConfig { inertia: self.motor.inertia + self.load.inertia, ..self.motor };
         let plate = Nameplate {
-            motor,
+            motor: motor.figures(),
             rated_current: self.rated_current,
             supply: self.supply,
             open_loop_speed: self.open_loop_speed,

@@ -1,8 +1,8 @@
 //! Set-up of the bench: motor, mode, supply, PWM rate and load, as typed and checked before anything runs.
 
 use clap::Args;
+use narx_core::commissioning::{Commissioning, Mode};
 use narx_core::motor::Board;
-use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::presets::{PRESETS, Preset, preset};
 use narx_sim::session::{SessionConfig, parse_board};
 use std::fmt;

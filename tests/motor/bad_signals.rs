@@ -4,10 +4,10 @@
 use crate::bench::Closed;
 use crate::robustness::{End, RESTART, Table, config, end, end_within, load, running, started, turn};
 use End::Fault;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::number;
 use narx_core::motor::{Leg, PwmCommand, Samples, State};
 use narx_host::parallel::map;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{ComparatorConfig, PlantConfig};
 use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
@@ -266,7 +266,7 @@ fn wrong_pole_pairs() {
         closed.boot();
         // A third of the speed range, so that the wrong speed is within it as well.
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply,
             open_loop_speed: None,

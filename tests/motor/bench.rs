@@ -1,9 +1,9 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::motor::machine::event::SlowMeasurements;
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, RunRequest, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
 
 /// Commanded speed, mechanical rpm.
@@ -213,7 +213,7 @@ fn commissioned(
     rated_current: Option<f64>,
 ) -> Coefficients {
     let plate = Nameplate {
-        motor: config.motor,
+        motor: config.motor.figures(),
         rated_current,
         supply: config.supply.voltage,
         open_loop_speed: None,

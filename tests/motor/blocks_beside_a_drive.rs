@@ -4,13 +4,13 @@ use narx_core::blocks::{
     Commutation, CommutationSettings, Hall, HallSettings, StateMachine, StateSettings, ZeroCrossing,
     ZeroCrossingSettings,
 };
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::motor::machine::Inputs;
 use narx_core::motor::machine::event::Event;
 use narx_core::motor::{Direction, Drive, PwmCommand, Samples, State, Status, Step};
 use narx_core::recording::{Player, Recording};
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
 

@@ -4,11 +4,11 @@
 use crate::blocks_beside_a_drive::{beside, sensorless_blocks};
 use core::cell::Cell;
 use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading};
+use narx_core::commissioning::Mode;
 use narx_core::motor::guard::rails::Rail;
 use narx_core::motor::rotor::zero_crossing::Why;
 use narx_core::motor::{Direction, Samples, State, Step};
 use narx_core::units::ElectricalSpeed;
-use narx_sim::commissioning::Mode;
 
 /// Number of crossings that the block has followed before the fault begins.
 const FOLLOWED: u32 = 200;

@@ -4,15 +4,15 @@
 //! The tests compute the speeds of a motor from its data and the supply, without commissioning.
 
 use crate::commanded::commanded_tick;
+use narx_core::commissioning::{
+    Commissioning, CommissioningError, Mode, Motor, Nameplate, SpeedLimit, TORQUE_POINTS, TorqueLimit,
+};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::master::{Config, Master};
 use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{
-    Commissioning, CommissioningError, Mode, Nameplate, SpeedLimit, TORQUE_POINTS, TorqueLimit,
-};
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, preset};
 use narx_sim::random::Random;
@@ -61,13 +61,13 @@ fn draw(seed: u64) -> (MotorConfig, f64) {
 }
 
 fn plate(motor: MotorConfig, supply: f64) -> Nameplate {
-    Nameplate { motor, rated_current: None, supply, open_loop_speed: None }
+    Nameplate { motor: motor.figures(), rated_current: None, supply, open_loop_speed: None }
 }
 
 /// Speed without load at which back-EMF and the resistance's share of friction take the whole supply, rpm: `V
 /// = R (Ts + B w) / k + k w`.
-fn no_load_speed(motor: &MotorConfig, supply: f64) -> f64 {
-    let MotorConfig { resistance, torque_constant: k, static_friction, viscous_friction, .. } = *motor;
+fn no_load_speed(motor: &Motor, supply: f64) -> f64 {
+    let Motor { resistance, torque_constant: k, static_friction, viscous_friction, .. } = *motor;
     (supply - resistance * static_friction / k) / (k + resistance * viscous_friction / k) * RPM
 }
 
@@ -171,7 +171,7 @@ impl Run {
 /// Runs a motor at a speed in a mode. Returns the name of the outcome, or an error that describes the
 /// failure.
 fn outcome(motor: MotorConfig, supply: f64, share: f64, mode: Mode) -> Result<&'static str, String> {
-    let rpm = share * no_load_speed(&motor, supply);
+    let rpm = share * no_load_speed(&motor.figures(), supply);
     // Table 2: 500 rpm with 4 pole pairs.
     if rpm * f64::from(motor.pole_pairs) < 2_000.0 {
         return Ok("slower than the drive's range");
@@ -244,7 +244,7 @@ fn random_motors_without_a_rated_current_run_or_a_limit_forbids_it() {
 #[test]
 fn short_steps_do_not_look_like_an_open_phase() {
     let (motor, supply) = draw(29);
-    let rpm = 0.3 * no_load_speed(&motor, supply);
+    let rpm = 0.3 * no_load_speed(&motor.figures(), supply);
     let ticks = TICKS * 60.0 / (6.0 * f64::from(motor.pole_pairs) * rpm);
     assert!((ticks - 7.0 / 3.0).abs() < 0.02, "{ticks}");
     let commissioning = plate(motor, supply).commission(Mode::Hall).unwrap();
@@ -275,7 +275,7 @@ fn a_motor_for_a_higher_voltage_runs_without_load() {
         for mode in MODES {
             let commissioning = plate(motor, 24.0).commission(mode).unwrap();
             assert_eq!(commissioning.speed_limit, SpeedLimit::Voltage);
-            let rpm = 0.8 * no_load_speed(&motor, 24.0);
+            let rpm = 0.8 * no_load_speed(&motor.figures(), 24.0);
             assert!(
                 (rpm..0.95 * rpm / 0.8).contains(&commissioning.speed_max),
                 "{}",

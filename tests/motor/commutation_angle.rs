@@ -1,8 +1,8 @@
 //! Tests that the bench measures the commutation angle that was set.
 
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::motor::Step;
-use narx_sim::commissioning::Mode;
 use narx_sim::commutations::Commutations;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};

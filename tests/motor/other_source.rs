@@ -1,9 +1,9 @@
 //! Tests of a closed loop that goes on by the other one's source (parameter 308).
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, Cause, RunRequest, State};
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, LoadConfig, Phase, PlantConfig};
 use narx_sim::presets::PRESETS;
 

@@ -1,11 +1,11 @@
 //! Tests of the phase current while a heavy rotor accelerates as fast as the limits allow.
 
 use crate::commanded::commanded_tick;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_host::parallel::map;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 
@@ -33,7 +33,7 @@ impl Start {
         let Self { preset, supply, mode, angle_deg, off_the_sheet } = self;
         let sheet = preset.motor;
         let plate = Nameplate {
-            motor: sheet,
+            motor: sheet.figures(),
             rated_current: preset.data.rated_current,
             supply,
             open_loop_speed: None,

@@ -2,10 +2,10 @@
 
 use crate::commanded::commanded_tick;
 use narx_core::bus::narmotion::MotorMode;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 
@@ -24,7 +24,7 @@ struct Reached {
 
 fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64) -> Reached {
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,

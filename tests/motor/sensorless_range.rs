@@ -2,9 +2,9 @@
 
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
+use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::number;
 use narx_core::motor::{RunRequest, State};
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{BackEmf, ComparatorConfig, LoadConfig, MotorConfig, Plant, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 
@@ -84,7 +84,7 @@ fn samples_carry_to_24000_electrical_rpm() {
 fn commissioned(preset: &Preset) -> (Commissioning, PlantConfig, f64) {
     let supply = preset.data.nominal_voltage.max(18.0);
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,

@@ -1,10 +1,10 @@
 //! Tests of a commissioned drive with its master, and of parameters in their units.
 
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::engineering::{self, ValueError};
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::State;
 use narx_core::recording::{Recording, replay};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig, SessionError};
 

@@ -1,10 +1,10 @@
 //! Tests of starts without sensors: 200 random plants, every preset at every supply.
 
 use crate::bench::{Closed, MOTOR};
+use narx_core::commissioning::{Mode, SpeedLimit};
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, RunRequest, State};
 use narx_lab::promises::{Point, Start, map};
-use narx_sim::commissioning::{Mode, SpeedLimit};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;

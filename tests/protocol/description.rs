@@ -4,13 +4,13 @@ use crate::bench::{Bench, IDENTITY, frame};
 use narx_core::bus::narmotion::{
     Addresses, FromDrive, MESSAGES, MotorMode, NAMES, RequestWord, ToDrive, XmlCommand,
 };
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::description::{Cursor, Document, LOG_RECORD, Measure};
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::guard::fault::Cause;
 use narx_core::motor::machine::state::State;
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_sim::bench::{Bench as BusBench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::preset;
 use proptest::prelude::*;
@@ -253,7 +253,7 @@ fn identity_and_addresses_are_the_drives_own() {
 fn on_the_bus(autosend: i32) -> BusBench {
     let motor = preset("ec45-flat-50w-18v").unwrap();
     let plate = Nameplate {
-        motor: motor.motor,
+        motor: motor.motor.figures(),
         rated_current: motor.data.rated_current,
         supply: motor.data.nominal_voltage,
         open_loop_speed: None,

@@ -3,11 +3,11 @@
 
 use crate::bench::{Bench, speed};
 use narx_core::bus::narmotion::{FromDrive, Measurement, ParameterStatus, ToDrive};
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Request, Service};
 use narx_core::motor::machine::event::Status;
 use narx_core::motor::machine::state::State;
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::Injection;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};

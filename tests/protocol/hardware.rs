@@ -1,11 +1,11 @@
 //! Tests of docs/HARDWARE.md: its figures are those of the code, its parameters those of the dictionary, its
 //! pins complete.
 
+use narx_core::commissioning::SUPPLY;
 use narx_core::dictionary::{Decimal, Dictionary, Parameter};
 use narx_core::motor::Board;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_sim::bench::BITRATE;
-use narx_sim::commissioning::SUPPLY;
 use narx_sim::plant::InverterConfig;
 use std::path::PathBuf;
 

@@ -16,6 +16,7 @@ mod fields;
 mod flash_link;
 mod flood;
 mod hardware;
+mod identification;
 mod inputs;
 mod master;
 mod master_bench;

@@ -1,13 +1,13 @@
 //! Tests of the master at its place on the simulated bus: a whole drive with its motor, from power-up on.
 
 use narx_core::bus::narmotion::{ControlMode, MotorMode};
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::{PARAMETER_COUNT, number};
 use narx_core::master::{Answer, Config, Download, DownloadError, Master, Request, RequestError, Service};
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Injection, Phase, PlantConfig};
 use narx_sim::presets::preset;
 
@@ -23,7 +23,7 @@ impl Rig {
     pub(crate) fn new(mode: Mode, config: Config) -> Self {
         let preset = preset("ec45-flat-50w-18v").unwrap();
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply: 18.0,
             open_loop_speed: None,

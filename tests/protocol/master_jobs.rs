@@ -1,11 +1,11 @@
 //! Tests of the master's jobs on the simulated bus: conversations of several messages, and their ends.
 
 use crate::master_bench::Rig;
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::master::{Config, Job, JobError, Master, NotTaken, Request};
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, Phase};
 
 /// Runs until the job ends; returns its result and its time, s.

@@ -5,13 +5,13 @@ use crate::download_bench::sent;
 use crate::master_bench::Rig;
 use crate::pair::said;
 use narx_core::bus::narmotion::{FromDrive, ParameterStatus, StatusWord, ToDrive};
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::master::{
     Config, Download, ErrorKind, Job, JobError, Master, NotTaken, Request, RequestError, ScopeSetup,
 };
 use narx_core::motor::State;
 use narx_core::scope::State as Scope;
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, Phase};
 use std::collections::HashMap;
 

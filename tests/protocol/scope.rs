@@ -4,6 +4,7 @@ use crate::scope_bench::{
     Pair, ask, bits, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
 };
 use narx_core::bus::narmotion::{Addresses, ToDrive};
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::master::Request;
 use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
@@ -11,7 +12,6 @@ use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
 use narx_core::scope::{Block, Refusal, SIGNALS_A_TICK, ScopeReply, ScopeTask, Setup, State as ScopeState};
 use narx_core::scope::{Threshold, Trigger};
 use narx_core::units::ElectricalSpeed;
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, LoadConfig};
 use narx_sim::session::Session;
 use proptest::prelude::*;

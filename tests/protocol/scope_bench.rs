@@ -1,11 +1,11 @@
 //! A motor on the bench whose scope is used over the bus, and a scope alone.
 
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::master::{Answer, Chunk, Download, Request};
 use narx_core::motor::signal::Signal;
 use narx_core::motor::{Drive, Event, Samples, State};
 use narx_core::scope::{Keeper, Memory, Scope, ScopeReply, ScopeTask, State as ScopeState};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
 

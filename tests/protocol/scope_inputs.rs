@@ -4,6 +4,7 @@
 use crate::scope_bench::{
     Pair, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
 };
+use narx_core::commissioning::Mode as ControlMode;
 use narx_core::dictionary::number;
 use narx_core::motor::machine::event::{Command, Health, SlowMeasurements};
 use narx_core::motor::signal::Signal;
@@ -14,7 +15,6 @@ use narx_core::motor::{
 use narx_core::recording::{LAYOUT_VERSION, Recording, Scoped, ScopedError, Tick, record_scoped, replay};
 use narx_core::scope::{Inputs, MalformedInputs, ScopeReply, ScopeTask, Setup, State as ScopeState};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
-use narx_sim::commissioning::Mode as ControlMode;
 use narx_sim::plant::Injection;
 use narx_sim::recording::RecordingBuffer;
 use narx_sim::session::Session;

@@ -4,9 +4,9 @@ use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{
     Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, SIGNALS, ToDrive, Words,
 };
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::Parameters;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Input, MotorConfig, PlantConfig};
 use narx_sim::presets::preset;
 
@@ -31,7 +31,7 @@ impl Wired {
     pub(crate) fn turning() -> Self {
         let preset = preset("ec45-flat-50w-18v").unwrap();
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply: 18.0,
             open_loop_speed: None,

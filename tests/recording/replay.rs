@@ -1,6 +1,7 @@
 //! Tests of replay against a stand-in for the drive that answers with its inputs so far.
 
 use super::support::{Noise, turning};
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::motor::machine::event::{Command, Event, RunRequest, Status};
 use narx_core::motor::{Board, Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
@@ -8,7 +9,6 @@ use narx_core::recording::{
     replay_with,
 };
 use narx_core::units::ElectricalSpeed;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{MotorConfig, Plant, PlantConfig};
 use narx_sim::recording::RecordingBuffer;
 use serde::{Deserialize, Serialize};
@@ -71,7 +71,8 @@ fn the_same_drive_answers_the_same() {
 /// the way.
 fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
     let motor = MotorConfig { static_friction: 0.002, ..MotorConfig::default() };
-    let plate = Nameplate { motor, rated_current: Some(4.0), supply: 24.0, open_loop_speed: None };
+    let plate =
+        Nameplate { motor: motor.figures(), rated_current: Some(4.0), supply: 24.0, open_loop_speed: None };
     let commissioned = plate.commission(Mode::Hall).unwrap();
     let Ok(coefficients) = Coefficients::build(&commissioned.parameters, &Board::BENCH) else {
         panic!("commissioned parameters do not build")

@@ -1,11 +1,11 @@
 //! Tests of the bench: a drive with its flash on a CAN bus, in real time.
 
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::State;
 use narx_core::storage::{Record, record};
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::preset;
 
@@ -13,7 +13,7 @@ pub(crate) fn config(parameters: Option<Parameters>) -> BenchConfig {
     let preset = preset("bly172s-24v").unwrap();
     let supply = preset.data.nominal_voltage;
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,

@@ -2,10 +2,10 @@
 
 use crate::motor::Motor;
 use js_sys::{Object, Reflect};
+use narx_core::commissioning::{Commissioning, Mode};
 use narx_core::dictionary::Dictionary;
 use narx_sim::bench::Bench as Core;
 use narx_sim::can::Received;
-use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
 use narx_sim::session::{PWM_RATES, Session, SessionConfig, board_at};
 use narx_wasm_values::error::{range_error, shown, type_error, whole};

@@ -2,9 +2,9 @@
 
 use crate::bench::Bench;
 use js_sys::{Array, Float64Array, Int8Array, Object};
+use narx_core::commissioning::Mode;
 use narx_core::motor::Cause;
 use narx_sim::bench::SIGNALS;
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::Gate;
 use narx_wasm_values::options::set;
 use narx_wasm_values::trace::{signals, unknown};

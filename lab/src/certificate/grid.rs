@@ -1,7 +1,7 @@
 //! The grids, and the plant of a cell.
 
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::motor::Board;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use narx_sim::random_plant::{RandomPlant, lock_torque};
@@ -134,7 +134,7 @@ impl Cell {
     pub(super) fn plant(&self, board: &Board) -> Option<(RandomPlant, f64)> {
         let sheet = &self.preset.motor;
         let plate = Nameplate {
-            motor: *sheet,
+            motor: sheet.figures(),
             rated_current: self.preset.data.rated_current,
             supply: self.supply,
             open_loop_speed: None,

@@ -3,9 +3,9 @@
 
 use super::Context;
 use super::operating::Point;
+use narx_core::commissioning::Mode;
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 
 /// The manual's figure.

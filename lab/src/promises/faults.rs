@@ -3,11 +3,11 @@
 
 use super::Context;
 use super::trial::Trial;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::motor::{Board, Cause, State, Step};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
 use narx_sim::can::Attachment;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Injection, Phase, PlantConfig};
 use narx_sim::presets::preset;
 
@@ -84,7 +84,7 @@ fn latency(trouble: Trouble, state: State, board: &Board) -> Result<u32, String>
     let mode = if state == State::HallClosedLoop { Mode::Hall } else { Mode::Sensorless };
     let motor = preset(MOTOR).ok_or("no such motor")?;
     let plate = Nameplate {
-        motor: motor.motor,
+        motor: motor.motor.figures(),
         rated_current: motor.data.rated_current,
         supply: SUPPLY,
         open_loop_speed: None,

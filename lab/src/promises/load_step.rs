@@ -3,9 +3,9 @@
 use super::Context;
 use super::operating::Point;
 use super::trial::Trial;
+use narx_core::commissioning::Mode;
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::LoadConfig;
 use narx_sim::presets::PRESETS;
 use std::f64::consts::TAU;

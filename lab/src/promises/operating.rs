@@ -2,11 +2,11 @@
 //! figures of a run.
 
 use super::trial::Trial;
+use narx_core::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use narx_core::motor::control::limits::power_rating;
 use narx_core::motor::machine::event::Limiter;
 use narx_core::motor::{Board, State};
 use narx_core::units::Volts;
-use narx_sim::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use std::f64::consts::TAU;
@@ -124,7 +124,7 @@ impl Point<'_> {
     fn plate(&self) -> Nameplate {
         let Preset { motor, data, .. } = self.preset;
         Nameplate {
-            motor: *motor,
+            motor: motor.figures(),
             rated_current: data.rated_current,
             supply: self.supply,
             open_loop_speed: None,

@@ -3,12 +3,12 @@
 use super::Context;
 use super::operating::Point;
 use super::trial::Trial;
+use narx_core::commissioning::{Commissioning, Mode};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
 use narx_sim::presets::{PRESETS, Preset};
 use std::f64::consts::TAU;

@@ -2,13 +2,13 @@
 //! while its motor runs.
 
 use super::Context;
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::number;
 use narx_core::master::{Download, Request};
 use narx_core::motor::Board;
 use narx_core::motor::signal::Signal;
 use narx_core::scope::State;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
 

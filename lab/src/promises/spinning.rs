@@ -4,11 +4,11 @@
 use super::Context;
 use super::operating::Point;
 use super::trial::Trial;
+use narx_core::commissioning::Mode;
 use narx_core::motor::Board;
 use narx_core::motor::control::limits::Limiter;
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use std::f64::consts::TAU;

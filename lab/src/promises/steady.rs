@@ -4,10 +4,10 @@ use super::Context;
 use super::operating::{Figures, Point, SETTLE, measure};
 use super::trial::Trial;
 use crate::pwm_rate;
+use narx_core::commissioning::Mode;
 use narx_core::motor::{Board, State};
 use narx_host::parallel::map;
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 use narx_sim::random_plant::{RandomPlant, Spread};
 

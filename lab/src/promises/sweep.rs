@@ -1,10 +1,10 @@
 //! Scaling of a sweep with threads: the short run of `narx.sweep`, on one thread and on all.
 
 use super::Context;
+use narx_core::commissioning::Mode;
 use narx_core::motor::Board;
 use narx_host::parallel::{for_each, threads};
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::Mode;
 use narx_sim::experiment::Experiment;
 use narx_sim::presets::{PRESETS, Preset};
 use narx_sim::session::SessionConfig;

@@ -3,11 +3,11 @@
 
 use super::Context;
 use super::trial::Trial;
+use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::number;
 use narx_core::motor::{Board, State};
 use narx_report::figures::{Figure, Part};
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{ComparatorConfig, LoadConfig, MotorConfig, PlantConfig};
 use narx_sim::presets::preset;
 use std::f64::consts::TAU;
@@ -177,7 +177,7 @@ fn commission(
     edges: bool,
     rpm: i32,
 ) -> Result<Commissioning, String> {
-    let plate = Nameplate { motor, rated_current, supply, open_loop_speed: None };
+    let plate = Nameplate { motor: motor.figures(), rated_current, supply, open_loop_speed: None };
     let commissioning = plate.commission_on(board, Mode::Sensorless, None);
     let mut commissioning = commissioning.map_err(|error| error.to_string())?;
     let mut set = |number, value| {

@@ -1,10 +1,10 @@
 //! A commissioned drive on the bench, run tick by tick, with the observations of a test engineer.
 
 use crate::pwm_rate;
+use narx_core::commissioning::Commissioning;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::commissioning::Commissioning;
 use narx_sim::commutations::Commutations;
 use narx_sim::plant::{Observation, PlantConfig};
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 //! and on random motors, in both closed loops, as percentiles. A miss of a promise is listed with the command
 //! that runs it again.
 
-mod motor;
+pub(crate) mod motor;
 mod physics;
 mod run;
 mod table;

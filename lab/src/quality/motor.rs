@@ -1,8 +1,8 @@
 //! Random motors: not those of the market with deviations, but any motor that a data sheet could describe.
 
 use crate::pwm_rate;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::motor::Board;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig};
 use narx_sim::presets::{DataSheet, Preset};
 use narx_sim::random::Random;
@@ -10,25 +10,25 @@ use std::f64::consts::TAU;
 
 /// A motor and its operating conditions.
 #[derive(Clone, Debug)]
-pub(super) struct Subject {
+pub(crate) struct Subject {
     /// Board of the drive.
-    pub(super) board: Board,
-    pub(super) preset: Preset,
+    pub(crate) board: Board,
+    pub(crate) preset: Preset,
     /// Supply voltage, V.
-    pub(super) supply: f64,
+    pub(crate) supply: f64,
     /// Position of the set-point within the promised speeds that the motor allows, 0 to 1 on a logarithmic
     /// scale; `None` for all of [`ELECTRICAL_RPM`].
-    pub(super) place: Option<f64>,
+    pub(crate) place: Option<f64>,
     /// Command that repeats its runs.
-    pub(super) command: String,
+    pub(crate) command: String,
 }
 
 /// Electrical speeds of the promise: 500 to 4000 rpm with 4 pole pairs.
-pub(super) const ELECTRICAL_RPM: [f64; 4] = [2_000.0, 4_000.0, 8_000.0, 16_000.0];
+pub(crate) const ELECTRICAL_RPM: [f64; 4] = [2_000.0, 4_000.0, 8_000.0, 16_000.0];
 
 /// Draws the random motor of a seed for this board. It draws again until commissioning accepts the motor in
 /// both modes, at most a thousand times; if none is accepted, there is no motor.
-pub(super) fn random(board: &Board, seed: u64) -> Option<Subject> {
+pub(crate) fn random(board: &Board, seed: u64) -> Option<Subject> {
     let mut random = Random::new(seed);
     (0..1_000).find_map(|_| draw(&mut random, board, seed))
 }
@@ -87,7 +87,8 @@ fn draw(random: &mut Random, board: &Board, seed: u64) -> Option<Subject> {
         rated_torque: Some(torque),
         rated_current: Some(current),
     };
-    let plate = Nameplate { motor, rated_current: Some(current), supply, open_loop_speed: None };
+    let plate =
+        Nameplate { motor: motor.figures(), rated_current: Some(current), supply, open_loop_speed: None };
     for mode in [Mode::Hall, Mode::Sensorless] {
         plate.commission_on(board, mode, None).ok()?;
     }
@@ -98,7 +99,7 @@ fn draw(random: &mut Random, board: &Board, seed: u64) -> Option<Subject> {
 }
 
 /// A motor of the market, at its nominal supply.
-pub(super) fn of_market(board: &Board, preset: &Preset) -> Subject {
+pub(crate) fn of_market(board: &Board, preset: &Preset) -> Subject {
     Subject {
         board: *board,
         preset: *preset,

@@ -4,7 +4,7 @@ use super::motor::{ELECTRICAL_RPM, Subject};
 use super::physics::{Hidden, Plunge};
 use crate::promises::load_step;
 use crate::promises::{Figures, Point};
-use narx_sim::commissioning::Mode;
+use narx_core::commissioning::Mode;
 
 /// Control modes with a closed loop.
 pub(super) const MODES: [Mode; 2] = [Mode::Hall, Mode::Sensorless];

@@ -2,9 +2,9 @@
 
 use super::action::{Step, StepKeys};
 use super::expect::Expect;
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::{Dictionary, Parameter, Parameters};
 use narx_core::motor::Board;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, preset};
 use narx_sim::session::{PwmRateError, board_at};
@@ -181,7 +181,7 @@ impl Scenario {
         })?;
         let seconds = within("seconds", keys.seconds, 0.6, 10.0, "s")?;
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply: within("supply", keys.supply, 18.0, 60.0, "V")?,
             open_loop_speed: keys.open_loop_speed,

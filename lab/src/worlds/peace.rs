@@ -3,6 +3,7 @@
 use super::never::{Checked, Never};
 use super::world::{TICK, World, master};
 use narx_core::bus::narmotion::DigitalOutputs;
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::engineering;
 use narx_core::dictionary::{Access, Parameters, number};
 use narx_core::master::{Request, Service};
@@ -10,7 +11,6 @@ use narx_core::motor::State;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::machine::event::{Refusal, Status};
 use narx_sim::can::Attachment;
-use narx_sim::commissioning::Mode;
 
 /// Longest time after the faults until a drive that was requested to go to Standby is there; below, until one
 /// that was started turns, s. A fault waits for its acknowledgement, Auto-restart tries for its time, and a

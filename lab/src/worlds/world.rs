@@ -2,12 +2,12 @@
 
 use super::mishap::{Chip, Fate, KINDS, Mishap};
 use super::never::{Broken, Checked, Watch};
+use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::number;
 use narx_core::master::{Answer, Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{Injection, LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
@@ -392,7 +392,7 @@ impl Setting {
         let mode = Mode::ALL[fate.below(Mode::ALL.len())];
         let supply = fate.between(20.0, 58.0);
         let plate = Nameplate {
-            motor: preset.motor,
+            motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply,
             open_loop_speed: None,

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import narx
 from narx import given
-from narx.cli.app import JSON, app, connected, examples, out
+from narx.cli.app import JSON, app, connected, err, examples, out
 from narx.drive import name_of
 
 STOP_MAX = 10.0
@@ -59,6 +61,26 @@ def calibrate_hall(
     with connected() as drive:
         drive.calibrate_hall(run=True)
         tell(drive, as_json)
+
+
+@app.command(epilog=examples("narx identify 8", "narx -i socketcan -c can0 identify 4 --current 3 --to my-motor.toml --yes"))
+def identify(
+    pole_pairs: Annotated[int, typer.Argument(help="Pole pairs of the motor.")],
+    current: Annotated[float | None, typer.Option(help="Largest phase current, A.")] = None,
+    bridge: Annotated[float | None, typer.Option(help="Resistance of two switches of the drive, ohm.")] = None,
+    hold: Annotated[bool, typer.Option("--hold", help="Do not turn: resistance and inductance alone.")] = False,
+    to: Annotated[Path | None, typer.Option("--to", help="File for the figures (TOML), for `narx sweep`.")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+    as_json: Annotated[bool, JSON] = False,
+) -> None:
+    """Measures the motor: resistance, inductance, torque constant, inertia and friction. Its shaft must be free."""
+    if not yes:
+        typer.confirm("The motor will be held." if hold else "The motor will turn. Is its shaft free?", abort=True)
+    with connected() as drive:
+        found = drive.identify(pole_pairs, current, bridge, not hold, None if as_json else lambda stage: err.print(f"{stage} ..."))
+        if to is not None:
+            found.save(to)
+        print(json.dumps(asdict(found)) if as_json else found, flush=True)
 
 
 @app.command(epilog=examples("narx reboot", "narx -i socketcan -c can0 reboot --json"))

@@ -1,6 +1,7 @@
 //! Configuration of the plant. SI units; angles in electrical degrees where a name ends in `_deg`.
 
 use super::phase::Phase;
+use narx_core::commissioning::Motor;
 use narx_core::motor::Board;
 
 /// The whole plant.
@@ -104,6 +105,21 @@ pub struct MotorConfig {
     pub thermal_time: f64,
     /// Which winding hangs at legs A, B, C.
     pub phase_order: [Phase; 3],
+}
+
+impl MotorConfig {
+    /// The figures that commissioning works from.
+    pub const fn figures(&self) -> Motor {
+        Motor {
+            pole_pairs: self.pole_pairs,
+            resistance: self.resistance,
+            inductance: self.inductance,
+            torque_constant: self.torque_constant,
+            inertia: self.inertia,
+            static_friction: self.static_friction,
+            viscous_friction: self.viscous_friction,
+        }
+    }
 }
 
 impl Default for MotorConfig {

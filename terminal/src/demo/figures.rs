@@ -2,9 +2,9 @@
 
 use super::START;
 use super::settings::Settings;
+use narx_core::commissioning::Mode;
 use narx_core::motor::State;
 use narx_sim::bench::Bench;
-use narx_sim::commissioning::Mode;
 use narx_sim::commutations::Commutations;
 use narx_sim::plant::{Ledger, Observation};
 use std::f64::consts::TAU;

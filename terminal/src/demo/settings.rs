@@ -2,7 +2,7 @@
 
 use crate::setup::{self, Refused, Setup, number};
 use clap::{Args, Command, FromArgMatches};
-use narx_sim::commissioning::{Commissioning, Mode};
+use narx_core::commissioning::{Commissioning, Mode};
 use narx_sim::session::SessionConfig;
 use std::path::PathBuf;
 

@@ -1,12 +1,12 @@
 //! Real data from a bench: a recording, the scope's inputs of a motor that turns, a flash with parameters on
 //! it.
 
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Download, Request};
 use narx_core::motor::State;
 use narx_core::recording::{Recording, Tick};
 use narx_core::storage::{FlashReply, FlashTask, Opened, Part, Storage};
-use narx_sim::commissioning::Mode;
 use narx_sim::flash::{Flash, KBYTE_512, Sparse, finish};
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};

@@ -1,13 +1,13 @@
 //! Names for TypeScript types, from the tables that define them.
 
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, SIGNALS as MEASUREMENTS};
+use narx_core::commissioning::Mode;
 use narx_core::dictionary::Dictionary;
 use narx_core::master::{Request, UpdateStage};
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::motor::{FaultWord, State};
 use narx_host::can_log::{message_name, node};
 use narx_sim::bench::SIGNALS;
-use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, Input};
 use narx_sim::presets::PRESETS;
 use narx_sim::replayed;

@@ -10,6 +10,7 @@ use cortex_m_semihosting::hprintln;
 use heapless::spsc::Queue;
 use narx_boot::{Server, Slot, hardware};
 use narx_core::bus::slcan::Adapter;
+use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::device::Queues;
 use narx_core::dictionary::Decimal;
 use narx_core::motor::{Board, PwmCommand, Samples};
@@ -26,7 +27,6 @@ use narx_firmware::boards::qemu::watchdog::{self, Watchdog};
 use narx_firmware::boards::qemu::world::{Period, Tests, World};
 use narx_firmware::boards::qemu::{ARGUMENTS_MAX, MOTOR, Owned, kept, program, semihosting};
 use narx_firmware::shell::{Background, Control, Progress};
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::flash::finish;
 use narx_sim::plant::{Plant, PlantConfig};
 use narx_sim::presets::{Preset, preset};
@@ -249,7 +249,7 @@ fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
 
 fn commission(preset: &Preset, supply: f64, board: &Board) -> Result<Commissioning, impl fmt::Display> {
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,

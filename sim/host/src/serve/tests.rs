@@ -8,7 +8,7 @@ use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::bus::slcan::{self, NO, decode_frame, encode_frame};
 use narx_core::bus::{Frame, Id};
-use narx_sim::commissioning::Mode;
+use narx_core::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::random::Random;
 use narx_sim::session::SessionConfig;

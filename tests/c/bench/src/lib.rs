@@ -4,10 +4,10 @@
 
 use core::cell::UnsafeCell;
 use narx::{narx_commutation_t, narx_pwm_command_t, narx_samples_t};
+use narx_core::commissioning::{Mode, Nameplate};
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Commutation, PwmCommand};
 use narx_core::units::Duty;
-use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Plant, PlantConfig};
 use narx_sim::presets::preset;
 
@@ -38,7 +38,7 @@ pub extern "C" fn bench_init(sensorless: i32) -> i32 {
     let Some(preset) = preset(MOTOR) else { return 1 };
     let supply = preset.data.nominal_voltage;
     let plate = Nameplate {
-        motor: preset.motor,
+        motor: preset.motor.figures(),
         rated_current: preset.data.rated_current,
         supply,
         open_loop_speed: None,

@@ -1,17 +1,17 @@
 //! Commissioning: from a motor's data sheet and the supply to a full parameter set, by design rules.
 //!
-//! Everything here works from nominal data, as an engineer with the data sheet would; it never looks at the
-//! plant. R, L and k are line to line in the DC (six-step) convention: `V = R I + k w`, `T = k I`.
+//! Everything here works from the figures of a data sheet, or from those that
+//! [`identification`](crate::identification) has measured. R, L and k are line to line in the DC (six-step)
+//! convention: `V = R I + k w`, `T = k I`.
 
+use crate::dictionary::{Parameters, number};
+use crate::motor::Board;
 use core::fmt;
 use heapless::Vec;
 use libm::{exp, fmax, fmin, sqrt};
-use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::Board;
 
-use crate::plant::MotorConfig;
-use narx_core::dictionary::engineering::{self, ValueError};
-use narx_core::shown::Shown;
+use crate::dictionary::engineering::{self, ValueError};
+use crate::shown::Shown;
 
 mod speed;
 mod torque;
@@ -21,8 +21,7 @@ pub use speed::SpeedLimit;
 pub use torque::{TorqueLimit, TorquePoint};
 
 /// Which control mode to enable (Table 6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Mode {
     /// Hall closed loop.
     Hall,
@@ -46,11 +45,30 @@ impl Mode {
     }
 }
 
+/// The figures of a motor, at 25 degrees Celsius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor {
+    /// Pole pairs, 1 or more.
+    pub pole_pairs: u8,
+    /// Line to line, ohm, as data sheets print it; half of it is one phase's.
+    pub resistance: f64,
+    /// Line to line, H; half of it is one phase's.
+    pub inductance: f64,
+    /// Mean torque per DC ampere in ideal six-step, N m/A = V s/rad.
+    pub torque_constant: f64,
+    /// Of the rotor and what is coupled to it, kg m2.
+    pub inertia: f64,
+    /// Coulomb friction, N m.
+    pub static_friction: f64,
+    /// Viscous friction, N m s/rad.
+    pub viscous_friction: f64,
+}
+
 /// Data of a motor that its user knows.
 #[derive(Clone, Copy, Debug)]
 pub struct Nameplate {
     /// The motor's data.
-    pub motor: MotorConfig,
+    pub motor: Motor,
     /// Rated DC current, A; without it [`rated_current`](Self::rated_current()) estimates one.
     pub rated_current: Option<f64>,
     /// Supply voltage, V.
@@ -229,6 +247,41 @@ impl fmt::Display for CommissioningError {
 }
 
 impl core::error::Error for CommissioningError {}
+
+/// Parameters that [`Nameplate::commission_on`] writes; the others keep their factory values.
+pub const WRITTEN: [u16; 31] = [
+    number::HALL_ENABLE,
+    number::SENSORLESS_ENABLE,
+    number::OPEN_LOOP_ENABLE,
+    number::MOTOR_POLE_PAIRS,
+    number::NOMINAL_SUPPLY,
+    number::BACK_EMF_CONSTANT,
+    number::WINDING_RESISTANCE,
+    number::WINDING_INDUCTANCE,
+    number::SPEED_MIN_HES,
+    number::SPEED_MAX_HES,
+    number::SPEED_MIN_SL,
+    number::SPEED_MAX_SL,
+    number::ZC_DISCARD,
+    number::DUTY_MAX,
+    number::DUTY_MAX_SL,
+    number::PHASE_CURRENT_MAX,
+    number::SPEED_RATE,
+    number::HALL_INTERPOLATION_SPEED,
+    number::SPEED_KP_SL,
+    number::SPEED_KI_SL,
+    number::SPEED_KP_HES,
+    number::SPEED_KI_HES,
+    number::HV_CURRENT_KP,
+    number::HV_CURRENT_KI,
+    number::HV_CURRENT_SOFT_START,
+    number::LOCK_DUTY,
+    number::OPEN_LOOP_DUTY,
+    number::OPEN_LOOP_SPEED,
+    number::LOCK_DURATION,
+    number::OPEN_LOOP_RAMP,
+    number::OPEN_LOOP_DURATION,
+];
 
 /// Supply range of Table 2, V.
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;

@@ -1,12 +1,12 @@
 //! The load that a commissioned motor can have at each speed.
 
 use super::{CONTINUOUS, Design, Nameplate, TORQUE_POINTS, TWO_PI, VOLTAGE_SHARE, least};
+use crate::dictionary::engineering;
+use crate::dictionary::{Parameters, number};
+use crate::motor::control::limits::power_rating;
+use crate::units::Volts;
 use core::fmt;
 use libm::{fmax, fmin, sqrt};
-use narx_core::dictionary::engineering;
-use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::control::limits::power_rating;
-use narx_core::units::Volts;
 
 /// Continuous torque at a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]

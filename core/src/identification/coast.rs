@@ -1,0 +1,211 @@
+//! Back-EMF and friction, from the terminals of a motor that coasts.
+//!
+//! The star point floats and the lowest terminal is held by its diode, so the two higher ones show their
+//! difference. It is 0 where they cross, three times an electrical revolution, and its integral from one
+//! crossing to the next depends neither on the speed nor on the shape of a symmetrical back-EMF:
+//!
+//! ```text
+//!  integral of (highest - second) = pi / 3 k / p
+//! ```
+//!
+//! In the middle of such a third the second terminal is near the lowest and dips below ground, where the
+//! converter reads 0. That hides a part which falls with the square of the back-EMF; straight lines between
+//! samples hide another, which grows with the square of the speed. Both are known well enough to be added.
+//!
+//! The times of the crossings give the deceleration: `dw/dt = -(c + b w)`, integrated once, is
+//! `w = w0 - c t - b angle`.
+
+use super::fit::Fit;
+use super::record::Record;
+use core::f64::consts::{FRAC_PI_3, TAU};
+use heapless::Vec;
+use libm::{fmax, fmin};
+
+/// The new highest terminal must be this much above the old one to count, V.
+const CLEAR: f64 = 0.05;
+/// Share of the flux that a diode of 0.8 V hides, times the square of the back-EMF, V2.
+const HIDDEN: f64 = 0.75;
+/// Share that straight lines cut off, over the square of the angle between two samples. The trapezoidal rule
+/// loses `h^2 / 12` of the change of slope, which from crossing to crossing is `2 k w` for every shape.
+const CHORD: f64 = 0.16;
+/// Thirds at less than this share of the largest speed tell the deceleration alone.
+const FAST: f64 = 0.7;
+/// A third that is seen in fewer samples tells nothing.
+const SAMPLES: usize = 4;
+/// Most thirds that are kept.
+const THIRDS: usize = 256;
+
+/// A coasting rotor. Speeds and angles are electrical.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coast {
+    /// Integral of one third, Vs, and its standard error.
+    pub(super) flux: (f64, f64),
+    /// Speed when the bridge went off, rad/s.
+    pub(super) speed: f64,
+    /// Coulomb friction and viscous friction over inertia: `c`, rad/s2, and `b`, 1/s.
+    pub(super) friction: (f64, f64),
+    /// Standard error of the deceleration at the mean speed, relative.
+    pub(super) error: f64,
+}
+
+/// One third of an electrical revolution.
+#[derive(Clone, Copy, Debug)]
+struct Third {
+    flux: f64,
+    /// rad/s.
+    speed: f64,
+    /// Middle, s.
+    time: f64,
+}
+
+impl Third {
+    /// The integral with what was hidden. interval: from one sample to the next, s.
+    fn whole_flux(&self, interval: f64) -> f64 {
+        let step = self.speed * interval;
+        let seen = self.flux * (1.0 + CHORD * step * step);
+        // E = k w / p of the whole flux, by turns.
+        let mut whole = seen;
+        for _ in 0..4 {
+            let emf = whole * self.speed / FRAC_PI_3;
+            whole = seen / (1.0 - fmin(HIDDEN / (emf * emf), 0.5));
+        }
+        whole
+    }
+}
+
+impl Coast {
+    /// Back-EMF constant of a motor with these pole pairs, V s/rad, and its standard error.
+    pub(super) fn torque_constant(&self, pole_pairs: f64) -> (f64, f64) {
+        let (flux, error) = self.flux;
+        (flux * pole_pairs / FRAC_PI_3, error * pole_pairs / FRAC_PI_3)
+    }
+
+    /// Of a record of the three terminals from the stop on; `None` if fewer than four thirds were seen.
+    pub(super) fn of(record: &Record) -> Option<Self> {
+        let thirds = thirds(record);
+        let [first, .., last] = thirds.as_slice() else { return None };
+        if thirds.len() < 4 {
+            return None;
+        }
+        let fastest = thirds.iter().map(|third| third.speed).fold(0.0, fmax);
+        let mut flux = Fit::<1>::default();
+        for third in thirds.iter().filter(|third| third.speed > FAST * fastest) {
+            flux.add([1.0], third.whole_flux(record.interval), 1.0);
+        }
+        let flux = flux.solve()?;
+        let (friction, begin, error) = friction(&thirds)?;
+        let mean = (first.speed + last.speed) / 2.0;
+        let deceleration = friction.0 + friction.1 * mean;
+        Some(Self {
+            flux: (flux.value[0], flux.error[0]),
+            speed: begin,
+            friction,
+            error: error / deceleration,
+        })
+    }
+}
+
+/// `c`, `b`, the speed at time 0, and the standard error of the deceleration. Friction never drives: a `b` or
+/// a `c` below 0 is taken as 0.
+fn friction(thirds: &[Third]) -> Option<((f64, f64), f64, f64)> {
+    let (mut both, mut dry, mut wet) = (Fit::<3>::default(), Fit::<2>::default(), Fit::<2>::default());
+    for (number, third) in thirds.iter().enumerate() {
+        let angle = (number as f64 + 0.5) * TAU / 3.0;
+        both.add([1.0, -third.time, -angle], third.speed, 1.0);
+        dry.add([1.0, -third.time], third.speed, 1.0);
+        wet.add([1.0, -angle], third.speed, 1.0);
+    }
+    // The deceleration in the mean is what a straight line shows; its two parts are less certain.
+    let line = dry.solve()?;
+    let straight = ((line.value[1], 0.0), line.value[0], line.error[1]);
+    Some(match both.solve() {
+        Some(fit) if fit.value[1] < 0.0 => {
+            let fit = wet.solve()?;
+            ((0.0, fit.value[1]), fit.value[0], line.error[1])
+        }
+        Some(fit) if fit.value[2] >= 0.0 => ((fit.value[1], fit.value[2]), fit.value[0], line.error[1]),
+        _ => straight,
+    })
+}
+
+/// The thirds between crossings that follow each other in one sense.
+fn thirds(record: &Record) -> Vec<Third, THIRDS> {
+    let mut thirds = Vec::new();
+    let mut before: Option<[f64; 3]> = None;
+    let mut top: Option<usize> = None;
+    let mut sense = None;
+    // The crossing that began this third, and the integral since.
+    let mut begun: Option<f64> = None;
+    let (mut area, mut samples) = (0.0, 0);
+    // The last crossing of a candidate with the present top, and the integral at it.
+    let mut crossed: Option<(usize, f64, f64)> = None;
+    for (number, terminals) in record.rows::<3>().enumerate() {
+        let time = number as f64 * record.interval;
+        let highest = largest(&terminals);
+        // The winding's current is gone a few samples after the stop.
+        if number < SKIPPED {
+            continue;
+        }
+        let Some(present) = top else {
+            (top, before) = (Some(highest), Some(terminals));
+            continue;
+        };
+        let last = before.replace(terminals).unwrap_or(terminals);
+        let step = (lead(&last, present) + lead(&terminals, present)) / 2.0 * record.interval;
+        if highest != present && crossed.is_none_or(|(other, ..)| other != highest) {
+            let (was, is) = (last[present] - last[highest], terminals[highest] - terminals[present]);
+            let share = was / fmax(was + is, 1e-9);
+            let at = time - (1.0 - share) * record.interval;
+            // Up to the crossing the difference falls to 0.
+            crossed = Some((highest, at, area + fmax(was, 0.0) * share * record.interval / 2.0));
+        }
+        area += step;
+        samples += 1;
+        let Some((other, at, until)) = crossed else { continue };
+        if highest == present {
+            // It was noise.
+            crossed = None;
+        } else if terminals[other] - terminals[present] > CLEAR {
+            let turned = (other + 3 - present) % 3;
+            if *sense.get_or_insert(turned) != turned || (begun.is_some() && samples < SAMPLES) {
+                break;
+            }
+            if let Some(begin) = begun {
+                let speed = TAU / 3.0 / (at - begin);
+                let third = Third { flux: until, speed, time: (begin + at) / 2.0 };
+                if thirds.push(third).is_err() {
+                    break;
+                }
+            }
+            (begun, top, crossed, samples) = (Some(at), Some(other), None, 0);
+            // From the crossing on the difference rises from 0.
+            let above = terminals[other] - second(&terminals, other);
+            area = above * (time - at) / 2.0;
+        }
+    }
+    thirds
+}
+
+/// Samples after the stop in which the winding's current may still flow.
+const SKIPPED: usize = 12;
+
+fn largest(terminals: &[f64; 3]) -> usize {
+    let [a, b, c] = *terminals;
+    if a >= b && a >= c {
+        0
+    } else if b >= c {
+        1
+    } else {
+        2
+    }
+}
+
+/// The second highest, if `top` is the highest.
+fn second(terminals: &[f64; 3], top: usize) -> f64 {
+    fmax(terminals[(top + 1) % 3], terminals[(top + 2) % 3])
+}
+
+/// How far `top` is above the other two; 0 once another one is.
+fn lead(terminals: &[f64; 3], top: usize) -> f64 {
+    fmax(terminals[top] - second(terminals, top), 0.0)
+}

@@ -1,0 +1,723 @@
+//! Identification: the figures of a motor without a data sheet, measured by its drive.
+//!
+//! A conversation on top of a [`Master`]. It asks nothing of the drive that every drive of this protocol does
+//! not offer: open loop, closed loop, the scope, and the parameters. So every limit and every fault of the
+//! drive stays in force, and a master that falls silent stops the motor as ever.
+//!
+//! ```text
+//!  hold        direct current in two phases at rising levels, each let go   -> R, L       (winding)
+//!  spin, coast closed loop without sensors, then the bridge off             -> k          (coast)
+//!  accelerate  a step of the speed, then the bridge off                     -> J, friction (acceleration, coast)
+//! ```
+//!
+//! Each step is commissioned from what the ones before have measured. At the end, and after an error, the
+//! motor stands and the drive has the parameters that it had.
+//!
+//! Pole pairs cannot be seen in volts and amperes: they have to be given.
+
+mod acceleration;
+mod coast;
+mod error;
+mod fit;
+mod record;
+mod script;
+mod winding;
+
+pub use error::IdentificationError;
+
+use crate::commissioning::{self, Commissioning, CommissioningError, Mode, Motor, Nameplate};
+use crate::dictionary::{engineering, number};
+use crate::master::{JobError, Master, RequestError};
+use crate::motor::Board;
+use crate::motor::guard::fault::Cause;
+use crate::motor::signal::Signal;
+use acceleration::{Inertia, inertia};
+use coast::Coast;
+use core::f64::consts::TAU;
+use heapless::Vec;
+use libm::{fmax, fmin, round, sqrt};
+use script::{Action, Script};
+use winding::{Lock, Winding};
+
+/// What the user knows of the motor, and allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Pole pairs, 1 to 50.
+    pub pole_pairs: u8,
+    /// Largest phase current, A; without it the one whose heat in the winding is 6 W, 6 A at most.
+    pub current: Option<f64>,
+    /// Resistance of the bridge: two switches, ohm. It is taken off what is measured.
+    pub bridge: f64,
+    /// The motor may turn. If not, resistance and inductance alone are measured.
+    pub turn: bool,
+}
+
+impl Asked {
+    /// A motor with these pole pairs on the bridge of the simulated board.
+    pub fn new(pole_pairs: u8) -> Self {
+        let bridge = f64::from(Board::BENCH.bridge_milliohm) / 1e3;
+        Self { pole_pairs, current: None, bridge, turn: true }
+    }
+}
+
+/// A measured figure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// The value.
+    pub value: f64,
+    /// The truth is within this of the value for 95 of 100 motors.
+    pub uncertainty: f64,
+}
+
+/// The measured figures, at the temperature of the motor at that time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Identified {
+    /// Pole pairs, as given.
+    pub pole_pairs: u8,
+    /// Supply voltage, V.
+    pub supply: f64,
+    /// Largest current that was used, A.
+    pub current: f64,
+    /// Line to line, ohm.
+    pub resistance: Figure,
+    /// Line to line, H.
+    pub inductance: Figure,
+    /// What a rotor that turned has shown.
+    pub turned: Option<Turned>,
+}
+
+/// Figures that a rotor shows when it turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turned {
+    /// Torque constant, N m/A, which is the back-EMF constant, V s/rad.
+    pub torque_constant: Figure,
+    /// Of the rotor and what is coupled to it, kg m2.
+    pub inertia: Figure,
+    /// Friction at `speed`, N m.
+    pub friction: Figure,
+    /// Coulomb friction, N m.
+    pub static_friction: f64,
+    /// Viscous friction, N m s/rad.
+    pub viscous_friction: f64,
+    /// Speed to which `friction` belongs, the largest that was used, rad/s.
+    pub speed: f64,
+}
+
+impl Identified {
+    /// The motor's figures for commissioning; `None` if it was not allowed to turn.
+    pub fn motor(&self) -> Option<Motor> {
+        let turned = self.turned?;
+        Some(Motor {
+            pole_pairs: self.pole_pairs,
+            resistance: self.resistance.value,
+            inductance: self.inductance.value,
+            torque_constant: turned.torque_constant.value,
+            inertia: turned.inertia.value,
+            static_friction: turned.static_friction,
+            viscous_friction: turned.viscous_friction,
+        })
+    }
+}
+
+/// Part of the identification that is under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Reads what the drive is.
+    Asks,
+    /// Holds the rotor: resistance and inductance.
+    Holds,
+    /// Turns the rotor and lets it coast: back-EMF constant.
+    Spins,
+    /// Accelerates it and lets it coast: inertia and friction.
+    Accelerates,
+    /// Stops the motor and restores the parameters.
+    Restores,
+}
+
+impl Stage {
+    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `restoring`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Asks => "asking",
+            Self::Holds => "holding",
+            Self::Spins => "spinning",
+            Self::Accelerates => "accelerating",
+            Self::Restores => "restoring",
+        }
+    }
+}
+
+type Outcome = Result<Identified, IdentificationError>;
+
+/// The identification of one motor. Call [`step`](Self::step) whenever the master was polled or has received
+/// something; it owns the master's requests, jobs and downloads until it ends.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    asked: Asked,
+    stage: Stage,
+    script: Script,
+    found: Found,
+    locks: Vec<Lock, 8>,
+    /// Duty of the lock under way.
+    level: f64,
+    /// Rounds of this stage so far.
+    round: u8,
+    /// A fault is being acknowledged before another try.
+    retries: bool,
+    /// The last start of this stage that has failed.
+    last: Option<IdentificationError>,
+    /// Kept while the motor stops and the parameters are restored.
+    end: Option<Outcome>,
+}
+
+/// What is known so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    /// Words of the scope's memory.
+    room: u16,
+    /// Of the PWM, s.
+    period: f64,
+    /// V.
+    supply: f64,
+    /// Voltage of the bus at which the drive trips, V.
+    bus_max: f64,
+    /// Largest current, A.
+    current: f64,
+    winding: Option<Winding>,
+    coast: Option<Coast>,
+    /// N m/A, with its standard error.
+    torque_constant: (f64, f64),
+    inertia: Option<Inertia>,
+    /// What the current channel reads without a current, A.
+    zero: f64,
+    /// Set-point of the last run, rpm.
+    speed: f64,
+}
+
+/// Heat in the winding at the largest current where none is given, W.
+const HEAT: f64 = 6.0;
+/// Largest current of the drive (Table 2), A.
+const CONTINUOUS: f64 = 6.0;
+/// Lowest supply of the drive (Table 2), V.
+const LEAST: f64 = *commissioning::SUPPLY.start();
+/// The strongest level takes this share of the largest current.
+const STRONG: f64 = 0.85;
+/// The bus stays this much below the voltage at which the drive trips, V.
+const BELOW_TRIP: f64 = 0.3;
+/// Duty of the first level, and the largest: the bridge must not go off within a pulse.
+const FIRST_DUTY: f64 = 0.01;
+const LARGEST_DUTY: f64 = 0.2;
+/// A rotor that is held has come to rest after this time, microseconds.
+const REST: u64 = 350_000;
+/// Time for the last of a record, and for its answer, microseconds.
+const MARGIN: u64 = 20_000;
+/// Longest wait for a record, microseconds.
+const PATIENCE: u64 = 5_000_000;
+/// Share of the supply at which back-EMF is measured: half of the nominal speed at most.
+const SHARE: f64 = 0.42;
+/// And the least that is enough.
+const ENOUGH: f64 = 0.33;
+/// A set-point may be this many times slower than what commissioning allows.
+const SLOWER: f64 = 3.0;
+/// Most starts that look for that speed.
+const SPINS: u8 = 6;
+
+/// Where motors of 20 to 200 W lie before anything is known: `k / sqrt(R)`, N m per root watt, and `J R / k^2`,
+/// s. Both are on the safe side: a light rotor gets low gains.
+const MOTOR_CONSTANT: f64 = 0.05;
+const MECHANICAL_TIME: f64 = 8e-3;
+
+/// Signals of a lock, of a coasting rotor and of an acceleration, in the order of their bits.
+const HELD: [Signal; 3] = [Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
+const TERMINALS: [Signal; 3] = [Signal::TerminalA, Signal::TerminalB, Signal::TerminalC];
+const DRIVEN: [Signal; 4] =
+    [Signal::SpeedSensorless, Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
+
+impl Identification {
+    /// An identification that begins with the first [`step`](Self::step). The drive must be in Standby, with
+    /// the shaft at rest.
+    ///
+    /// # Errors
+    /// Pole pairs outside 1 to 50, or a current or a bridge that is no positive number.
+    pub fn new(asked: Asked) -> Result<Self, IdentificationError> {
+        if !(1..=50).contains(&asked.pole_pairs) {
+            return Err(IdentificationError::PolePairs(asked.pole_pairs));
+        }
+        if let Some(value) = asked.current
+            && !(value > 0.0 && value <= CONTINUOUS)
+        {
+            return Err(IdentificationError::Current(value));
+        }
+        if !(asked.bridge >= 0.0 && asked.bridge < 1.0) {
+            return Err(IdentificationError::Bridge(asked.bridge));
+        }
+        let mut script = Script::default();
+        // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.
+        script.add([
+            Action::Read(number::SCOPE_ROOM),
+            Action::Read(number::OVER_VOLTAGE),
+            Action::Write(number::SCOPE_PRESCALER, 1000),
+            Action::Read(number::SCOPE_SAMPLING_TIME),
+        ]);
+        Ok(Self {
+            asked,
+            stage: Stage::Asks,
+            script,
+            found: Found::default(),
+            locks: Vec::new(),
+            level: 0.0,
+            round: 0,
+            retries: false,
+            last: None,
+            end: None,
+        })
+    }
+
+    /// Part that is under way.
+    pub const fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// Stops the motor, restores the parameters and ends with [`IdentificationError::Aborted`].
+    pub fn abort(&mut self, master: &mut Master) {
+        if self.end.is_none() {
+            self.finish(master, Err(IdentificationError::Aborted));
+        }
+    }
+
+    /// Goes on; returns the result once. now: microseconds, as of the master.
+    pub fn step(&mut self, master: &mut Master, now: u64) -> Option<Outcome> {
+        if self.end.is_none() && !master.is_connected(now) {
+            self.finish(master, Err(IdentificationError::Lost));
+        }
+        loop {
+            match self.script.step(master, now) {
+                Ok(true) => {}
+                Ok(false) => return None,
+                Err(IdentificationError::Request(_, RequestError::NoAnswer))
+                    if self.stage == Stage::Restores =>
+                {
+                    self.script.end();
+                    continue;
+                }
+                Err(_) if self.stage == Stage::Restores => {
+                    // What cannot be restored cannot be restored; the first error counts.
+                    self.script.skip();
+                    continue;
+                }
+                Err(error @ IdentificationError::Job(job))
+                    if self.stage == Stage::Spins
+                        && self.round + 1 < SPINS
+                        && !self.retries
+                        && !is_open_phase(&job) =>
+                {
+                    // Nothing is known of this motor yet: another start, at another speed.
+                    self.last = Some(error);
+                    self.retries = true;
+                    self.script.give_up(master);
+                    self.script.record.begin(&TERMINALS, 1.0);
+                    continue;
+                }
+                Err(IdentificationError::Job(job))
+                    if self.stage == Stage::Holds && !self.retries && is_open_phase(&job) =>
+                {
+                    // So little current flows that the drive takes a phase for open: a higher level.
+                    self.retries = true;
+                    self.script.give_up(master);
+                    self.script.record.begin(&HELD, 1.0);
+                    continue;
+                }
+                Err(error) => {
+                    self.finish(master, Err(error));
+                    continue;
+                }
+            }
+            if self.stage == Stage::Restores {
+                return self.end.take();
+            }
+            self.retries = false;
+            if let Err(error) = self.plan(master) {
+                self.finish(master, Err(error));
+            }
+        }
+    }
+
+    fn finish(&mut self, master: &mut Master, end: Outcome) {
+        self.stage = Stage::Restores;
+        self.end.get_or_insert(end);
+        self.script.restore(master);
+    }
+
+    /// The script is done: takes what it has brought, and writes the next one.
+    fn plan(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
+        match self.stage {
+            Stage::Asks => {
+                let [room, millivolts, microseconds] = self.script.answers();
+                self.found.bus_max = f64::from(millivolts) / 1e3;
+                self.found.room = room as u16;
+                self.found.period = f64::from(microseconds) * 1e-9;
+                if self.found.room < 1024 || self.found.period <= 0.0 {
+                    return Err(IdentificationError::NoScope { room: self.found.room });
+                }
+                self.stage = Stage::Holds;
+                self.prepare_holds()?;
+                self.hold(FIRST_DUTY)
+            }
+            Stage::Holds => self.held(master),
+            Stage::Spins => self.spun(master),
+            Stage::Accelerates => self.accelerated(master),
+            Stage::Restores => Ok(()),
+        }
+    }
+
+    /// Open loop with a field that stands: direct current through two phases, as a duty of the bus.
+    fn prepare_holds(&mut self) -> Result<(), IdentificationError> {
+        let current = self.asked.current.unwrap_or(CONTINUOUS);
+        for (number, value) in [
+            (number::HALL_ENABLE, 0.0),
+            (number::SENSORLESS_ENABLE, 0.0),
+            (number::OPEN_LOOP_ENABLE, 1.0),
+            (number::NOMINAL_SUPPLY, 0.0),
+            (number::OPEN_LOOP_SPEED, 0.0),
+            (number::OPEN_LOOP_RAMP, 0.1),
+            (number::DUTY_MAX_SL, 95.0),
+            // Every period has its pulse: nothing is sampled within it.
+            (number::ON_TIME_MIN, 0.0),
+            (number::PHASE_CURRENT_MAX, current),
+        ] {
+            self.set(number, value)?;
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, number: u16, value: f64) -> Result<(), IdentificationError> {
+        let raw = engineering::raw(number, value).map_err(IdentificationError::Value)?;
+        self.script.add([Action::Write(number, raw as i32)]);
+        Ok(())
+    }
+
+    /// Rows of a lock's record from before the stop.
+    fn held_rows(&self) -> u16 {
+        (self.found.room / 3).min(1200) - AFTER
+    }
+
+    /// Holds the rotor at a level, records it, and lets it go.
+    fn hold(&mut self, duty: f64) -> Result<(), IdentificationError> {
+        self.level = duty;
+        self.set(number::LOCK_DUTY, 100.0 * duty)?;
+        self.set(number::OPEN_LOOP_DUTY, 100.0 * duty)?;
+        let before = self.held_rows();
+        let filled = (f64::from(before) * self.found.period * 1e6) as u64 + MARGIN;
+        self.script.add([
+            Action::Start(0),
+            Action::Wait(REST),
+            Action::arm(&HELD, before + AFTER, 1, before),
+            Action::Wait(filled),
+            Action::Stop,
+            Action::AwaitRecord,
+            Action::Download(u32::from(before + AFTER) * 3),
+        ]);
+        self.script.record.begin(&HELD, self.found.period);
+        Ok(())
+    }
+
+    /// A lock is recorded: the next level, or R and L.
+    fn held(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
+        let Some(lock) = Lock::of(&self.script.record, self.held_rows().into(), self.level) else {
+            return self.stronger();
+        };
+        if self.locks.is_empty() {
+            // A supply of 18 V may read a little less.
+            self.found.supply =
+                if lock.voltage > 0.99 * LEAST { fmax(lock.voltage, LEAST) } else { lock.voltage };
+        }
+        // Current of the phases as far as it is known without the dead time.
+        let phase = fmax(lock.current, 0.0) / lock.duty;
+        let power = fmax(lock.voltage * lock.current, 1e-9);
+        // Noise of the mean over the record.
+        let sees = lock.current > 5.0 * lock.noise / sqrt(f64::from(self.held_rows()));
+        let limit = self.asked.current.unwrap_or(CONTINUOUS);
+        // The energy that a level returns to the bus grows with its square.
+        let square = |volts: f64| volts * volts;
+        let rise = fmax(square(lock.raised) - square(lock.voltage), square(0.02) * lock.voltage);
+        let left = fmax(square(self.found.bus_max - BELOW_TRIP) - square(lock.voltage), 0.0);
+        let heat = if self.asked.current.is_none() { HEAT / power } else { f64::INFINITY };
+        let room = STRONG * fmin(limit / fmax(phase, 1e-9), sqrt(fmin(heat, left / rise)));
+        if !sees {
+            return self.stronger();
+        }
+        if self.locks.push(lock).is_err() {
+            return Err(IdentificationError::Unsteady(self.stage));
+        }
+        let duty = lock.level;
+        let strongest = room < 1.15 || duty >= 0.99 * LARGEST_DUTY;
+        if !strongest {
+            return self.hold(fmin(duty * fmin(room, 3.0), LARGEST_DUTY));
+        }
+        if self.locks.len() < 3 {
+            return self.hold(0.6 * duty);
+        }
+        self.winding(master, fmin(limit, phase / STRONG))
+    }
+
+    /// No current was seen: the next level.
+    fn stronger(&mut self) -> Result<(), IdentificationError> {
+        if self.level >= 0.99 * LARGEST_DUTY {
+            return Err(IdentificationError::NoMotor { duty: self.level });
+        }
+        self.hold(fmin(2.0 * self.level, LARGEST_DUTY))
+    }
+
+    /// R and L are there.
+    fn winding(&mut self, master: &mut Master, current: f64) -> Result<(), IdentificationError> {
+        let locks = &self.locks;
+        let (low, high) = locks
+            .iter()
+            .fold((f64::MAX, 0.0), |(low, high), lock| (fmin(low, lock.voltage), fmax(high, lock.voltage)));
+        if low < 0.85 * high {
+            return Err(IdentificationError::Sags { from: high, to: low });
+        }
+        let winding =
+            winding::solve(locks, self.found.period).ok_or(IdentificationError::Unsteady(self.stage))?;
+        if winding.resistance <= self.asked.bridge {
+            return Err(IdentificationError::Short { resistance: winding.resistance });
+        }
+        self.found.zero = locks.iter().map(|lock| lock.zero).sum::<f64>() / locks.len() as f64;
+        (self.found.winding, self.found.current) = (Some(winding), current);
+        if !self.asked.turn {
+            self.finish(master, Ok(self.identified(&winding)));
+            return Ok(());
+        }
+        self.stage = Stage::Spins;
+        self.spin(50.0 * 60.0 / f64::from(self.asked.pole_pairs), SPIN)
+    }
+
+    /// The motor as it is known, with a guess for what is not.
+    fn motor(&self) -> Motor {
+        let total = self.found.winding.map_or(1.0, |winding| winding.resistance);
+        let (k, _) = self.found.torque_constant;
+        let k = if k > 0.0 { k } else { MOTOR_CONSTANT * sqrt(total) };
+        let inertia = self.found.inertia.map_or(MECHANICAL_TIME * k * k / total, |inertia| inertia.value);
+        let friction = self.found.coast.map_or((0.0, 0.0), |coast| coast.friction);
+        Motor {
+            pole_pairs: self.asked.pole_pairs,
+            resistance: total - self.asked.bridge,
+            inductance: self.found.winding.map_or(1e-3, |winding| winding.inductance),
+            torque_constant: k,
+            inertia,
+            static_friction: friction.0 / f64::from(self.asked.pole_pairs) * inertia,
+            viscous_friction: friction.1 * inertia,
+        }
+    }
+
+    /// Commissions the drive for the motor as it is known, and writes its parameters.
+    fn commission(&mut self) -> Result<Commissioning, IdentificationError> {
+        let rate = round(1.0 / self.found.period) as u32;
+        let board = Board::BENCH.at_rate(rate).ok_or(IdentificationError::Rate(rate))?;
+        let unknown = self.found.torque_constant.0 <= 0.0;
+        let mut plate = Nameplate {
+            motor: self.motor(),
+            rated_current: Some(self.found.current),
+            supply: self.found.supply,
+            open_loop_speed: None,
+        };
+        let mut commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+        while unknown && let Err(CommissioningError::TooSlow { .. }) = commissioning {
+            // It was guessed too slow.
+            plate.motor.torque_constant *= 0.7;
+            commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+        }
+        let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;
+        // The identification turns as slowly as the motor needs, and knows no fastest speed before it is
+        // measured.
+        let fastest = f64::from(rate) * 60.0 / (6.0 * 4.0 * f64::from(self.asked.pole_pairs));
+        commissioning.speed_min /= SLOWER;
+        if unknown {
+            commissioning.speed_max = fmin(fastest, 30_000.0);
+        }
+        let parameters = &mut commissioning.parameters;
+        let limits = [
+            (number::SPEED_MIN_SL, commissioning.speed_min),
+            (number::SPEED_MAX_SL, commissioning.speed_max),
+        ];
+        for (number, value) in limits {
+            engineering::set(parameters, number, value).map_err(IdentificationError::Value)?;
+        }
+        for number in commissioning::WRITTEN {
+            // Before it is measured the drive must not rely on it.
+            let zero = unknown && number == number::BACK_EMF_CONSTANT;
+            let raw = if zero { 0 } else { commissioning.parameters.raw(number) };
+            self.script.add([Action::Write(number, raw)]);
+        }
+        Ok(commissioning)
+    }
+
+    /// Turns the rotor at a speed, rpm, and records its terminals after the stop.
+    fn spin(&mut self, rpm: f64, wait: u64) -> Result<(), IdentificationError> {
+        let commissioning = self.commission()?;
+        let rpm = round(fmin(fmax(rpm, commissioning.speed_min), commissioning.speed_max));
+        self.found.speed = rpm;
+        self.script.add([Action::Start(rpm as i32), Action::Settle { rpm, within: wait }]);
+        self.coast();
+        Ok(())
+    }
+
+    /// The bridge goes off: records the terminals of the coasting rotor.
+    fn coast(&mut self) {
+        let third = 20.0 / (self.found.speed * f64::from(self.asked.pole_pairs));
+        let prescaler = fmax(1.0, libm::floor(third / (COAST_SAMPLES * self.found.period))) as u16;
+        let rows = self.found.room / 3;
+        self.script.add([
+            Action::arm(&TERMINALS, rows, prescaler, 0),
+            Action::Wait(MARGIN),
+            Action::Stop,
+            Action::AwaitRecord,
+            Action::Download(u32::from(rows) * 3),
+            Action::Wait(DOWN),
+        ]);
+        self.script.record.begin(&TERMINALS, f64::from(prescaler) * self.found.period);
+    }
+
+    /// A coasting rotor is recorded: a faster run, or what k is.
+    fn spun(&mut self, _master: &mut Master) -> Result<(), IdentificationError> {
+        self.round += 1;
+        let poles = f64::from(self.asked.pole_pairs);
+        let coast = Coast::of(&self.script.record);
+        let Some(coast) = coast else {
+            if self.round >= SPINS {
+                let unseen = IdentificationError::NoBackEmf { rpm: self.found.speed };
+                return Err(self.last.unwrap_or(unseen));
+            }
+            return self.spin(1.5 * self.found.speed, SPIN);
+        };
+        self.found.torque_constant = coast.torque_constant(poles);
+        let (k, _) = self.found.torque_constant;
+        let emf = k * coast.speed / poles;
+        let most = SHARE * self.found.supply / k * 60.0 / TAU;
+        let before = self.found.speed;
+        if emf < ENOUGH * self.found.supply && self.round < SPINS {
+            self.spin(fmin(3.0 * before, most), SPIN)?;
+            if self.found.speed > 1.1 * before {
+                return Ok(());
+            }
+            // The drive turns no faster: this is what there is.
+            self.script.end();
+        }
+        (self.found.coast, self.stage, self.round) = (Some(coast), Stage::Accelerates, 0);
+        self.accelerate(fmin(fmax(before, 1.0), most))
+    }
+
+    /// A step of the speed up to `rpm`, recorded; then a coasting rotor, recorded.
+    fn accelerate(&mut self, rpm: f64) -> Result<(), IdentificationError> {
+        let commissioning = self.commission()?;
+        let fast = round(fmin(rpm, commissioning.speed_max));
+        let slow = round(fmax(fast / 3.0, commissioning.speed_min));
+        if slow >= 0.8 * fast {
+            return Err(IdentificationError::NoRoom { slow, fast });
+        }
+        self.found.speed = fast;
+        // The record is as long as the ramp of the set-point, and half as much.
+        let rate = engineering::value(&commissioning.parameters, number::SPEED_RATE).unwrap_or(1000.0);
+        let rows = self.found.room / 4;
+        let length = fmax(1.5 * (fast - slow) / rate + 0.1, 0.2);
+        let prescaler = fmax(1.0, round(length / (f64::from(rows) * self.found.period))) as u16;
+        self.script.add([
+            Action::Start(slow as i32),
+            Action::Settle { rpm: slow, within: SPIN },
+            Action::arm_forced(&DRIVEN, rows, prescaler),
+            Action::Force,
+            Action::Wait(MARGIN),
+            Action::Speed(fast as u16),
+            Action::AwaitRecord,
+            Action::Download(u32::from(rows) * 4),
+        ]);
+        self.script.record.begin(&DRIVEN, f64::from(prescaler) * self.found.period);
+        Ok(())
+    }
+
+    /// The acceleration is recorded: the inertia, and once more with gains that fit it.
+    fn accelerated(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
+        self.round += 1;
+        let poles = f64::from(self.asked.pole_pairs);
+        let Found { winding: Some(winding), coast: Some(coast), period, .. } = self.found else {
+            return Err(IdentificationError::Unsteady(self.stage));
+        };
+        match self.round {
+            1 | 3 => {
+                let rising = inertia(&self.script.record, &winding, &coast, self.found.zero, poles, period)
+                    .ok_or(IdentificationError::Unsteady(self.stage))?;
+                self.found.inertia = Some(rising);
+                // From here the rotor coasts.
+                self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
+                self.coast();
+                Ok(())
+            }
+            _ => {
+                if let Some(coast) = Coast::of(&self.script.record) {
+                    let k = coast.torque_constant(poles);
+                    (self.found.coast, self.found.torque_constant) = (Some(coast), k);
+                }
+                if self.round == 2 {
+                    return self.accelerate(self.found.speed);
+                }
+                self.finish(master, Ok(self.identified(&winding)));
+                Ok(())
+            }
+        }
+    }
+
+    /// The result, from everything that was found.
+    fn identified(&self, winding: &Winding) -> Identified {
+        let Found { supply, current, .. } = self.found;
+        let resistance = winding.resistance - self.asked.bridge;
+        Identified {
+            pole_pairs: self.asked.pole_pairs,
+            supply,
+            current,
+            resistance: Figure {
+                value: resistance,
+                uncertainty: fmax(0.01, winding.spread.0) * resistance + BRIDGE * self.asked.bridge,
+            },
+            inductance: Figure {
+                value: winding.inductance,
+                uncertainty: (0.09 + winding.spread.1) * winding.inductance,
+            },
+            turned: self.turned(),
+        }
+    }
+
+    fn turned(&self) -> Option<Turned> {
+        let (coast, inertia) = (self.found.coast?, self.found.inertia?);
+        let (k, error) = self.found.torque_constant;
+        let speed = self.found.speed * TAU / 60.0;
+        let motor = self.motor();
+        let friction = motor.static_friction + motor.viscous_friction * speed;
+        let uncertain = inertia.uncertainty;
+        Some(Turned {
+            torque_constant: Figure { value: k, uncertainty: 0.015 * k + 3.0 * error },
+            inertia: Figure { value: inertia.value, uncertainty: uncertain * inertia.value },
+            friction: Figure {
+                value: friction,
+                uncertainty: sqrt(uncertain * uncertain + 4.0 * coast.error * coast.error) * friction,
+            },
+            static_friction: motor.static_friction,
+            viscous_friction: motor.viscous_friction,
+            speed,
+        })
+    }
+}
+
+fn is_open_phase(error: &JobError) -> bool {
+    matches!(error, JobError::Fault { code, .. } if *code == Cause::OpenPhase as u16)
+}
+
+/// Rows of a lock's record after the stop.
+const AFTER: u16 = 200;
+/// Samples of a third at the speed of the stop.
+const COAST_SAMPLES: f64 = 16.0;
+/// Longest wait for a speed, microseconds.
+const SPIN: u64 = 4_000_000;
+/// A light rotor has slowed down after this time, microseconds.
+const DOWN: u64 = 200_000;
+/// Share by which the bridge's resistance may be off.
+const BRIDGE: f64 = 0.25;

@@ -1,0 +1,132 @@
+"""The identification of a motor: its figures, measured by its drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from narx import _core, given
+from narx.errors import AbortError, RefusedError
+from narx.link import Link
+
+POLL = 0.005
+"""Time from one look to the next, s."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A measured figure. The truth is within `uncertainty` of `value` for 95 of 100 motors."""
+
+    value: float
+    uncertainty: float
+
+    def __float__(self) -> float:
+        return self.value
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The figures of a motor as its drive has measured them, at the temperature that the motor had. Those of a
+    rotor that was not allowed to turn are `None`."""
+
+    pole_pairs: int
+    """As given."""
+    supply_voltage: float
+    """V."""
+    current: float
+    """Largest phase current that was used, A."""
+    resistance: Figure
+    """Line to line, ohm."""
+    inductance: Figure
+    """Line to line, H."""
+    torque_constant: Figure | None = None
+    """N m/A, which is the back-EMF constant, V s/rad."""
+    inertia: Figure | None = None
+    """Of the rotor and what is coupled to it, kg m2."""
+    friction: Figure | None = None
+    """At `speed`, N m."""
+    static_friction: float | None = None
+    """Its constant part, N m."""
+    viscous_friction: float | None = None
+    """Its part that grows with the speed, N m s/rad."""
+    speed: float | None = None
+    """Speed to which `friction` belongs, rad/s."""
+
+    def motor(self, **others: Any) -> _core.Motor:
+        """Returns the motor for `narx.Bench`, `narx.sweep` and `commission`. others: further figures of
+        `narx.Motor`, such as rated_current; without it the current of the identification.
+
+        Raises RefusedError if the rotor was not allowed to turn.
+        """
+        return _core.Motor(**self._figures() | others)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the figures as a grid file (TOML) for `narx sweep`, which also holds them for another day."""
+        lines = [f"{name} = {value!r}" for name, value in self._figures().items()]
+        lines.append(f"supply_voltage = {round(self.supply_voltage, 1)!r}")
+        given.path(path).write_text("\n".join(["# Measured by the drive.", *lines, ""]))
+
+    def _figures(self) -> dict[str, float]:
+        if self.torque_constant is None or self.inertia is None:
+            raise RefusedError("the rotor was not allowed to turn: torque constant and inertia were not measured")
+        return {
+            "pole_pairs": self.pole_pairs,
+            "resistance": self.resistance.value,
+            "inductance": self.inductance.value,
+            "torque_constant": self.torque_constant.value,
+            "inertia": self.inertia.value,
+            "static_friction": self.static_friction or 0.0,
+            "viscous_friction": self.viscous_friction or 0.0,
+            "rated_current": self.current,
+        }
+
+    def __str__(self) -> str:
+        rows = [
+            ("resistance", self.resistance, 1, "ohm"),
+            ("inductance", self.inductance, 1e3, "mH"),
+            ("torque constant", self.torque_constant, 1e3, "mN m/A"),
+            ("inertia", self.inertia, 1e7, "g cm2"),
+            ("friction", self.friction, 1e3, "mN m"),
+        ]
+        return "\n".join(
+            f"{name:16} {figure.value * scale:10.4g} +- {figure.uncertainty * scale:.2g} {unit}"
+            for name, figure, scale, unit in rows
+            if figure is not None
+        )
+
+
+def identify(
+    link: Link,
+    pole_pairs: int,
+    current: float | None,
+    bridge: float | None,
+    turn: bool,
+    progress: Callable[[str], None] | None,
+) -> Identified:
+    """Identifies the motor; see `narx.Drive.identify`."""
+    identification = _core.Identification(pole_pairs, current, bridge, turn)
+    stage = None
+    try:
+        while (figures := identification.step(link.master)) is None:
+            if progress is not None and stage != (stage := identification.stage):
+                progress(stage)
+            link.wake()
+            link.wait(lambda: False, POLL)
+    except BaseException:
+        end(link, identification)
+        raise
+    return Identified(**{name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()})
+
+
+def end(link: Link, identification: _core.Identification) -> None:
+    """Ends an identification that was interrupted: the motor stops and the parameters get their values back. One
+    that has ended by itself is left alone."""
+    identification.abort(link.master)
+    try:
+        while identification.step(link.master) is None:
+            link.wake()
+            link.wait(lambda: False, POLL)
+    except (RefusedError, AbortError):
+        pass

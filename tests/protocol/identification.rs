@@ -1,0 +1,188 @@
+//! Tests of the identification: what a drive finds out about a motor on the bench, and what it leaves behind.
+
+use crate::master_bench::Rig;
+use narx_core::commissioning::{Mode, WRITTEN};
+use narx_core::identification::{Asked, Figure, Identification, IdentificationError, Identified, Stage};
+use narx_core::master::{Config, JobError, Request};
+use narx_core::motor::State;
+use narx_core::motor::guard::fault::Cause;
+use narx_sim::plant::{Injection, Phase};
+use narx_sim::presets::preset;
+
+/// Longest identification, s.
+const LONGEST: f64 = 30.0;
+
+fn rig() -> Rig {
+    let mut rig = Rig::new(Mode::Hall, Config::default());
+    rig.until(State::Standby);
+    rig.run(0.3);
+    rig
+}
+
+/// Runs an identification to its end; `look` may interfere.
+fn identify(
+    rig: &mut Rig,
+    asked: Asked,
+    mut look: impl FnMut(&mut Rig, &mut Identification),
+) -> Result<Identified, IdentificationError> {
+    let mut identification = Identification::new(asked)?;
+    let end = rig.bench.time() + LONGEST;
+    while rig.bench.time() < end {
+        look(rig, &mut identification);
+        let now = rig.bench.now_ns() / 1000;
+        if let Some(outcome) = identification.step(&mut rig.master, now) {
+            return outcome;
+        }
+        (0..10).for_each(|_| rig.step());
+    }
+    panic!("an identification ends");
+}
+
+fn values(rig: &mut Rig) -> Vec<i32> {
+    WRITTEN.iter().map(|number| rig.ask(Request::Read { number: *number }).result.unwrap()).collect()
+}
+
+fn within(figure: Figure, truth: f64, share: f64) {
+    let Figure { value, uncertainty } = figure;
+    assert!((value - truth).abs() <= share * truth, "{value} is not within {share} of {truth}");
+    assert!((value - truth).abs() <= uncertainty, "{value} is farther than {uncertainty} from {truth}");
+}
+
+#[test]
+fn a_motor_without_a_data_sheet_is_measured() {
+    let mut rig = rig();
+    let before = values(&mut rig);
+    let begun = rig.bench.time();
+    let mut stages = Vec::new();
+    let found = identify(&mut rig, Asked::new(8), |_, identification| {
+        if stages.last() != Some(&identification.stage()) {
+            stages.push(identification.stage());
+        }
+    })
+    .unwrap();
+    assert_eq!(
+        stages,
+        [Stage::Asks, Stage::Holds, Stage::Spins, Stage::Accelerates, Stage::Restores],
+        "each once, in this order"
+    );
+    assert!(rig.bench.time() - begun < 15.0, "{} s", rig.bench.time() - begun);
+    let truth = preset("ec45-flat-50w-18v").unwrap().motor;
+    let turned = found.turned.unwrap();
+    within(found.resistance, truth.resistance, 0.03);
+    within(found.inductance, truth.inductance, 0.10);
+    within(turned.torque_constant, truth.torque_constant, 0.02);
+    within(turned.inertia, truth.inertia, 0.10);
+    within(turned.friction, truth.static_friction + truth.viscous_friction * turned.speed, 0.10);
+    assert!((17.8..=18.0).contains(&found.supply), "{}", found.supply);
+    assert_eq!(rig.master.state(), Some(State::Standby));
+    assert_eq!(values(&mut rig), before, "every parameter has its value back");
+    // Half of the nominal speed at most.
+    assert!(turned.speed < 0.5 * 18.0 / truth.torque_constant, "{}", turned.speed);
+}
+
+#[test]
+fn a_rotor_that_must_not_turn_is_held_alone() {
+    let mut rig = rig();
+    let mut fastest = 0.0_f64;
+    let found = identify(&mut rig, Asked { turn: false, ..Asked::new(8) }, |rig, _| {
+        fastest = fastest.max(rig.speed().abs() / 60.0);
+    })
+    .unwrap();
+    assert!(found.turned.is_none() && found.motor().is_none());
+    assert!(found.resistance.value > 0.4 && found.inductance.value > 2e-4, "{found:?}");
+    let turns = rig.bench.plant().observe().angle.abs();
+    assert!(turns < 1.0, "it settles and does not turn: {turns} rad, {fastest} rev/s at most");
+}
+
+#[test]
+fn the_largest_current_is_kept() {
+    let mut rig = rig();
+    let mut peak = 0.0_f64;
+    let asked = Asked { current: Some(1.5), ..Asked::new(8) };
+    let found = identify(&mut rig, asked, |rig, identification| {
+        if identification.stage() == Stage::Holds {
+            peak = peak.max(rig.bench.plant().peak_current());
+        }
+    })
+    .unwrap();
+    assert!(found.current <= 1.5, "{}", found.current);
+    // With its ripple.
+    assert!(peak < 2.5, "{peak}");
+}
+
+#[test]
+fn what_is_wrong_has_a_name() {
+    let mut all_open = rig();
+    for phase in Phase::ALL {
+        all_open.bench.plant_mut().inject(Injection::OpenPhase(phase));
+    }
+    let error = identify(&mut all_open, Asked::new(8), |_, _| {}).unwrap_err();
+    assert!(matches!(error, IdentificationError::NoMotor { .. }), "{error}");
+    assert!(error.to_string().contains("is a motor connected"), "{error}");
+
+    let mut two = rig();
+    two.bench.plant_mut().inject(Injection::OpenPhase(Phase::ALL[1]));
+    let error = identify(&mut two, Asked::new(8), |_, _| {}).unwrap_err();
+    let names = |error: &IdentificationError| match error {
+        IdentificationError::Job(JobError::Fault { code, .. }) => Some(*code),
+        _ => None,
+    };
+    assert_eq!(names(&error), Some(Cause::OpenPhase as u16), "{error}");
+
+    let mut blocked = rig();
+    blocked.bench.plant_mut().inject(Injection::BlockedRotor);
+    let error = identify(&mut blocked, Asked::new(8), |_, _| {}).unwrap_err();
+    assert!(matches!(error, IdentificationError::Job(_) | IdentificationError::NotReached { .. }), "{error}");
+    for rig in [&mut all_open, &mut two, &mut blocked] {
+        assert_eq!(rig.master.state(), Some(State::Standby), "the fault is acknowledged");
+    }
+}
+
+#[test]
+fn an_identification_is_aborted_at_any_time() {
+    for seconds in [0.01, 0.5, 2.0, 4.5, 6.0, 9.0] {
+        let mut rig = rig();
+        let before = values(&mut rig);
+        let begun = rig.bench.time();
+        let outcome = identify(&mut rig, Asked::new(8), |rig, identification| {
+            if rig.bench.time() - begun >= seconds {
+                identification.abort(&mut rig.master);
+            }
+        });
+        assert_eq!(outcome, Err(IdentificationError::Aborted), "after {seconds} s");
+        assert_eq!(values(&mut rig), before, "after {seconds} s");
+        rig.run(1.0);
+        assert_eq!(rig.master.state(), Some(State::Standby), "after {seconds} s");
+    }
+}
+
+#[test]
+fn a_silent_master_stops_the_motor() {
+    let mut rig = rig();
+    let begun = rig.bench.time();
+    let outcome = identify(&mut rig, Asked::new(8), |rig, _| {
+        // Its frames are lost from then on.
+        rig.alive = rig.bench.time() - begun < 6.0;
+        let now = rig.bench.now_ns() / 1000;
+        while !rig.alive && rig.master.poll_frame(now).is_some() {}
+    });
+    assert!(outcome.is_err(), "{outcome:?}");
+    assert!(!rig.bench.status().state.is_driving(), "{:?}", rig.bench.status().state);
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let asked = Asked::new(4);
+    for (asked, expected) in [
+        (Asked { pole_pairs: 0, ..asked }, "pole pairs 0 are outside 1 to 50"),
+        (Asked { pole_pairs: 51, ..asked }, "pole pairs 51 are outside 1 to 50"),
+        (Asked { current: Some(0.0), ..asked }, "largest current 0 A must be above 0 and at most 6 A"),
+        (Asked { current: Some(f64::NAN), ..asked }, "largest current NaN A must be above 0 and at most 6 A"),
+        (
+            Asked { bridge: -0.1, ..asked },
+            "resistance of the bridge -0.1 ohm must be 0 or more and below 1 ohm",
+        ),
+    ] {
+        assert_eq!(Identification::new(asked).unwrap_err().to_string(), expected);
+    }
+}

@@ -1,0 +1,70 @@
+"""Tests of the identification of a motor by its drive."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import narx
+
+NAME = "ec45-flat-50w-18v"
+
+
+@pytest.fixture(scope="module")
+def found() -> narx.Identified:
+    return narx.Bench(NAME, recording=False).drive.identify(8)
+
+
+def test_a_motor_is_measured_with_stated_uncertainties(found: narx.Identified) -> None:
+    truth = narx.Motor.preset(NAME)
+    for name, share in {"resistance": 0.03, "inductance": 0.10, "torque_constant": 0.02, "inertia": 0.10}.items():
+        figure = getattr(found, name)
+        assert figure.value == pytest.approx(getattr(truth, name), rel=share), name
+        assert abs(figure.value - getattr(truth, name)) <= figure.uncertainty, name
+    assert "torque constant" in str(found) and "mN m/A" in str(found)
+
+
+def test_the_figures_make_a_motor_that_runs(found: narx.Identified, tmp_path: Path) -> None:
+    bench = narx.Bench(found.motor(), 18)
+    bench.drive.start(2000)
+    bench.run(1.0)
+    assert bench.drive.measurements.speed == pytest.approx(2000, rel=0.02)
+    found.save(tmp_path / "motor.toml")
+    assert tomllib.loads((tmp_path / "motor.toml").read_text())["resistance"] == found.resistance.value
+
+
+def test_a_rotor_that_is_held_has_no_motor() -> None:
+    held = narx.Bench(NAME, recording=False).drive.identify(8, current=2, turn=False)
+    assert held.torque_constant is None and held.resistance.value == pytest.approx(0.447, rel=0.05)
+    with pytest.raises(narx.RefusedError, match="not allowed to turn"):
+        held.motor()
+
+
+def test_stages_are_told_and_an_interrupt_leaves_the_drive_as_it_was() -> None:
+    bench = narx.Bench(NAME, recording=False)
+    bench.drive.wait(1.0)
+    before = bench.drive.parameters["Rotor lock duty cycle"]
+    stages: list[str] = []
+
+    def interrupt(stage: str) -> None:
+        stages.append(stage)
+        if stage == "spinning":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        bench.drive.identify(8, progress=interrupt)
+    assert stages == ["asking", "holding", "spinning"]
+    assert bench.drive.parameters["Rotor lock duty cycle"] == before
+    assert bench.drive.state is narx.State.STANDBY
+
+
+def test_what_is_wrong_has_a_name() -> None:
+    bench = narx.Bench(NAME, recording=False)
+    for phase in "ABC":
+        bench.inject("open-phase", phase=phase)
+    with pytest.raises(narx.StartError, match="is a motor connected"):
+        bench.drive.identify(8)
+    with pytest.raises(narx.ParameterError, match="pole_pairs"):
+        bench.drive.identify(0)
+    with pytest.raises(narx.ParameterError, match="6 A"):
+        bench.drive.identify(8, current=7)
