@@ -169,6 +169,34 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
     assert.deepEqual(complaints, []);
 });
 
+test("a moment of a chapter is the same on the bench, and the page's master takes over from there", async () => {
+    const { page, complaints } = await open("sensorless-start", STILL);
+    const next = page.getByRole("button", { name: "Run to next state" });
+    for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
+        await next.click();
+        await page.locator('[data-reading="state"]').getByText(state).waitFor();
+    }
+    // An instant before the newest tick.
+    const newest = await page.locator(".time").textContent();
+    await slide(page, "Look back", -123);
+    await page.waitForFunction((newest) => document.querySelector(".time").textContent !== newest, newest);
+    const [state, speed, time] = await Promise.all([reading(page, "state"), reading(page, "speed"), page.locator(".time").textContent().then(Number.parseFloat)]);
+    const angle = /[\d.]+°/.exec(await page.getByRole("img", { name: /Cross-section/ }).first().getAttribute("aria-label"))[0];
+    await page.getByRole("button", { name: "Open this moment on the bench" }).click();
+    await page.locator("#reproduced").getByText(/^Reproduced bit for bit/).waitFor();
+    const truth = (name) => page.locator(`[data-truth="${name}"]`).textContent();
+    assert.deepEqual([Number.parseFloat(await truth("state")), await truth("angle")], [state, angle]);
+    assert.ok(Math.abs(Number.parseFloat(await truth("speed")) - speed) <= 0.55, "one of them has a digit more");
+    assert.match(await page.locator("#ticks").textContent(), new RegExp(`tick ${Math.round(10 * time)}$`));
+    // Time runs on from there, and Stop stops.
+    await page.locator("#play").click();
+    await page.locator('[data-truth="state"]').getByText("4 Sensorless").waitFor();
+    assert.equal(await page.locator("#setpoint").inputValue(), "1500");
+    await page.locator(".bar .stop").click();
+    await page.locator('[data-truth="state"]').getByText("1 Standby").waitFor();
+    assert.deepEqual(complaints, []);
+});
+
 test("demagnetisation: current and inductance hold the terminal at the rail until crossings come late", async () => {
     const { page, complaints } = await open("demagnetisation", STILL);
     await reaches(page, "clamped", 0, 2);
