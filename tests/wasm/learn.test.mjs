@@ -131,6 +131,15 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
     await slide(page, /Flywheel/, 0);
     await verdict("follows");
     await reaches(page, "mean", 980, 1020);
+    // A little more load stalls it, with much more current than that load needs.
+    await slide(page, /Ramp/, 0.4);
+    await slide(page, /Flywheel/, 50);
+    await slide(page, /Load/, 10);
+    await verdict("has lost synchronism");
+    assert.ok((await reading(page, "rms")) > 3 * (await reading(page, "needed")));
+    await slide(page, /Load/, 5);
+    await verdict("follows");
+    await reaches(page, "mean", 980, 1020);
     assert.deepEqual(complaints, []);
 });
 
@@ -201,8 +210,8 @@ test("demagnetisation: current and inductance hold the terminal at the rail unti
     const { page, complaints } = await open("demagnetisation", STILL);
     await reaches(page, "clamped", 0, 2);
     await reaches(page, "late", 0, 0);
-    await slide(page, /Load/, 140);
-    await slide(page, /Inductance/, 4);
+    await guess(page);
+    await page.getByRole("button", { name: "Hide the crossings" }).click();
     await reaches(page, "clamped", 30, 60);
     await reaches(page, "late", 30, 70);
     await reaches(page, "speed", 1400, 1600);
@@ -239,6 +248,19 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     await reaches(page, "back", 50, 150);
     assert.ok((await reading(page, "overshoot")) < 40);
     assert.equal(await reading(page, "limiter"), "speed loop");
+    // Ten times Kp changes little, a hundred times shakes the motor, and the dip grows with the load.
+    const commissioned = await reading(page, "dip");
+    await slide(page, /Kp/, 1);
+    await page.waitForFunction((dip) => Number.parseFloat(document.querySelector('[data-reading="dip"]').textContent) !== dip, commissioned);
+    assert.ok(Math.abs((await reading(page, "dip")) - commissioned) < 0.1 * commissioned);
+    await slide(page, /Kp/, 2);
+    await reaches(page, "dip", 1000, 2000);
+    await slide(page, /Kp/, 0);
+    await reaches(page, "dip", commissioned, commissioned);
+    await slide(page, /Load/, 120);
+    await reaches(page, "dip", 1.3 * commissioned, 2 * commissioned);
+    await slide(page, /Load/, 80);
+    await reaches(page, "dip", commissioned, commissioned);
     await slide(page, /Ki/, 1);
     await reaches(page, "overshoot", 120, 400);
     const dip = await reading(page, "dip");
