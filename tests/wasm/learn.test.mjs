@@ -223,6 +223,7 @@ test("demagnetisation: current and inductance hold the terminal at the rail unti
 
 test("hall sensors: misaligned ones cost current, and the calibration finds by how much", async () => {
     const { page, complaints } = await open("hall-sensors", STILL);
+    await guess(page);
     await reaches(page, "peak", 2.5, 3.5);
     const aligned = await reading(page, "rms");
     const peaks = { 0: await reading(page, "peak") };

@@ -144,8 +144,11 @@ export class JournalledBench {
     /** Dismisses the bench's own operator, if it has one, before anything new: from here the master on the page
      * commands. */
     #takeOver(): void {
-        if (this.setup.options.operator && !this.#inputs.slice(0, this.#applied).some(({ call }) => call === "dismiss")) {
-            this.act({ call: "dismiss" });
+        if (this.setup.options.operator) {
+            const dismissed = this.#inputs.findIndex(({ call }) => call === "dismiss");
+            if (dismissed < 0 || dismissed >= this.#applied) {
+                this.act({ call: "dismiss" });
+            }
         }
     }
 
