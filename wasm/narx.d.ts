@@ -212,6 +212,11 @@ export class Bench {
      */
     copy(): Bench;
     /**
+     * Dismisses the operator: from here, the drive is commanded by the frames of `send`. Does nothing if
+     * there is none.
+     */
+    dismiss(): void;
+    /**
      * Injects a fault, until `clear`. A fault is a physical cause, not the fault bit that results from it.
      */
     inject(fault: InjectionName, options?: InjectionOptions): void;
@@ -437,6 +442,7 @@ export interface InitOutput {
     readonly bench_clear: (a: number, b: any, c: any) => [number, number];
     readonly bench_copy: (a: number) => number;
     readonly bench_digest: (a: number) => [number, number];
+    readonly bench_dismiss: (a: number) => void;
     readonly bench_fault: (a: number) => any;
     readonly bench_faults: (a: number) => [number, number];
     readonly bench_inject: (a: number, b: any, c: any) => [number, number];

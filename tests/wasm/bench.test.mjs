@@ -49,6 +49,23 @@ test("every preset reaches the middle of its range", () => {
     }
 });
 
+test("without its operator a bench goes on in the same way, until the drive's time-out", () => {
+    const [kept, left] = [bench(), bench()];
+    for (const drive of [kept, left]) {
+        drive.run(0.6);
+        drive.start(2000);
+        drive.run(1.2);
+    }
+    left.dismiss();
+    assert.throws(() => left.stop(), /no operator/);
+    assert.deepEqual(left.run(0.15).column("angle"), kept.run(0.15).column("angle"));
+    left.run(0.15);
+    assert.equal(left.state, 6);
+    assert.equal(kept.state, 5);
+    left.dismiss();
+    assert.equal(left.state, 6, "once is enough");
+});
+
 test("reverse is a negative speed", () => {
     const drive = bench();
     drive.run(0.6);

@@ -54,6 +54,34 @@ test("a drive behind a bridge starts, turns and stops, a frame a message", async
     assert.deepEqual(complaints, []);
 });
 
+test("plots and measurements of a real drive go back in time, while strip and Stop are live", async () => {
+    const { page, complaints } = await connection();
+    await connect(page);
+    await standsBy(page);
+    await go(page, "main");
+    await start(page, 1800, 40);
+    const speed = async () => Number.parseFloat(await page.locator('[data-measurement="Mechanical estimated speed HES"]').textContent());
+    const hold = page.getByRole("button", { name: "Hold view" });
+    await hold.click();
+    await page.getByRole("heading", { name: /^Measurements, [\d.]+ s ago$/ }).waitFor();
+    const then = await speed();
+    assert.ok(Math.abs(then - 1800) < 100, `${then} rpm`);
+    // Before the start.
+    await page.locator("#instant").evaluate((input) => {
+        input.value = "0.2";
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+    });
+    await page.waitForFunction(() => Math.abs(Number.parseFloat(document.querySelector('[data-measurement="Mechanical estimated speed HES"]').textContent)) < 20);
+    assert.ok(Math.abs(Number(await page.locator(".bar .speed b").textContent()) - 1800) < 100, "the strip is live");
+    await page.locator(".bar .stop").click();
+    await inState(page, "Standby");
+    assert.ok(Math.abs(await speed()) < 20);
+    await page.getByRole("button", { name: "Back to live" }).click();
+    await page.getByRole("heading", { name: "Measurements", exact: true }).waitFor();
+    await hold.waitFor();
+    assert.deepEqual(complaints, []);
+});
+
 test("a bad address, a wrong token, a refusal, a message that is no frame and a lost bridge are told in words", async () => {
     const { page } = await connection();
     const alert = page.getByRole("alert");

@@ -5,6 +5,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 
+const { address } = await import("../../wasm/web/vite.config.js");
 const dist = new URL("../../wasm/web/dist/", import.meta.url);
 const golden = new URL("../golden/page.toml", import.meta.url);
 const manifest = JSON.parse(readFileSync(new URL(".vite/manifest.json", dist), "utf8"));
@@ -63,4 +64,15 @@ test("icon, manifest, preview and a word for browsers without scripts are there"
         assert.ok(readFileSync(new URL(name, dist)).length > 100);
     }
     assert.match(page, /<noscript>[^]*needs JavaScript and WebAssembly/);
+});
+
+test("the preview's whole address follows from the address of the page", () => {
+    const source = readFileSync(new URL("../../wasm/web/index.html", import.meta.url), "utf8");
+    assert.equal(address(undefined).transformIndexHtml(source), source);
+    const page = address("https://example.org/narx/").transformIndexHtml(source);
+    assert.match(page, /<meta property="og:image" content="https:\/\/example\.org\/narx\/preview\.png" \/>/);
+    assert.match(page, /<meta property="og:url" content="https:\/\/example\.org\/narx\/" \/>/);
+    for (const wrong of ["example.org/", "https://example.org/narx", 'https://example.org/"/']) {
+        assert.throws(() => address(wrong).transformIndexHtml(source), { message: /NARX_PAGE_ADDRESS.*must be an address/ });
+    }
 });

@@ -59,11 +59,17 @@ test("six steps: the rotor is turned by keys, swings to the step's place, and ru
         await reaches(page, "angle", rest - 1, rest + 1);
         await reaches(page, "torque", -4, 4);
     }
+    await guess(page);
     await page.getByLabel("The step follows the rotor").check();
     await reaches(page, "sector", 0, 0);
     await reaches(page, "sector", 3, 3);
     assert.deepEqual(complaints, []);
 });
+
+/** Answers the question of a chapter, which reveals its last scene. */
+function guess(page) {
+    return page.locator(".guess").first().click();
+}
 
 /** Moves a slider to a value, as a hand does. */
 function slide(page, name, value) {
@@ -110,8 +116,7 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
     await reaches(page, "field", 990, 1010);
     await reaches(page, "mean", 980, 1020);
     // What the text says of constant speed: several times the current that the load needs, late by more than the flat top.
-    const needed = Number(/needs\s+only ([\d.]+) A/.exec(await page.locator(".words").textContent())[1]);
-    assert.ok((await reading(page, "rms")) > 3 * needed);
+    assert.ok((await reading(page, "rms")) > 3 * (await reading(page, "needed")));
     await reaches(page, "lag", 120, 180);
     await page.getByRole("slider", { name: "Look back" }).evaluate((input) => {
         input.value = "-15500";
@@ -126,12 +131,22 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
     await slide(page, /Flywheel/, 0);
     await verdict("follows");
     await reaches(page, "mean", 980, 1020);
+    // A little more load stalls it, with much more current than that load needs.
+    await slide(page, /Ramp/, 0.4);
+    await slide(page, /Flywheel/, 50);
+    await slide(page, /Load/, 10);
+    await verdict("has lost synchronism");
+    assert.ok((await reading(page, "rms")) > 3 * (await reading(page, "needed")));
+    await slide(page, /Load/, 5);
+    await verdict("follows");
+    await reaches(page, "mean", 980, 1020);
     assert.deepEqual(complaints, []);
 });
 
 test("sensorless start: from state to state, a tick on, a tick back", async () => {
     const { page, complaints } = await open("sensorless-start", STILL);
     const next = page.getByRole("button", { name: "Run to next state" });
+    await guess(page);
     for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
         await next.click();
         await page.locator('[data-reading="state"]').getByText(state).waitFor();
@@ -152,6 +167,42 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
     await slide(page, "Look back", -1500);
     await page.locator('[data-reading="state"]').getByText("2 Rotor lock").waitFor();
     assert.match(await page.locator('[data-reading="step"]').textContent(), /^lock /);
+    // Any flywheel starts, a heavier one later.
+    const closed = [];
+    for (const flywheel of [1, 10]) {
+        await slide(page, /Flywheel/, flywheel);
+        await page.waitForFunction((before) => document.querySelector('[data-reading="closed"]').textContent !== before && /^[0-9]/.test(document.querySelector('[data-reading="closed"]').textContent), closed.at(-1));
+        closed.push(await page.locator('[data-reading="closed"]').textContent());
+    }
+    assert.ok(Number.parseFloat(closed[1]) > Number.parseFloat(closed[0]), closed.join());
+    assert.deepEqual(complaints, []);
+});
+
+test("a moment of a chapter is the same on the bench, and the page's master takes over from there", async () => {
+    const { page, complaints } = await open("sensorless-start", STILL);
+    const next = page.getByRole("button", { name: "Run to next state" });
+    for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
+        await next.click();
+        await page.locator('[data-reading="state"]').getByText(state).waitFor();
+    }
+    // An instant before the newest tick.
+    const newest = await page.locator(".time").textContent();
+    await slide(page, "Look back", -123);
+    await page.waitForFunction((newest) => document.querySelector(".time").textContent !== newest, newest);
+    const [state, speed, time] = await Promise.all([reading(page, "state"), reading(page, "speed"), page.locator(".time").textContent().then(Number.parseFloat)]);
+    const angle = /[\d.]+°/.exec(await page.getByRole("img", { name: /Cross-section/ }).first().getAttribute("aria-label"))[0];
+    await page.getByRole("button", { name: "Open this moment on the bench" }).click();
+    await page.locator("#reproduced").getByText(/^Reproduced bit for bit/).waitFor();
+    const truth = (name) => page.locator(`[data-truth="${name}"]`).textContent();
+    assert.deepEqual([Number.parseFloat(await truth("state")), await truth("angle")], [state, angle]);
+    assert.ok(Math.abs(Number.parseFloat(await truth("speed")) - speed) <= 0.55, "one of them has a digit more");
+    assert.match(await page.locator("#ticks").textContent(), new RegExp(`tick ${Math.round(10 * time)}$`));
+    // Time runs on from there, and Stop stops.
+    await page.locator("#play").click();
+    await page.locator('[data-truth="state"]').getByText("4 Sensorless").waitFor();
+    assert.equal(await page.locator("#setpoint").inputValue(), "1500");
+    await page.locator(".bar .stop").click();
+    await page.locator('[data-truth="state"]').getByText("1 Standby").waitFor();
     assert.deepEqual(complaints, []);
 });
 
@@ -159,18 +210,29 @@ test("demagnetisation: current and inductance hold the terminal at the rail unti
     const { page, complaints } = await open("demagnetisation", STILL);
     await reaches(page, "clamped", 0, 2);
     await reaches(page, "late", 0, 0);
-    await slide(page, /Load/, 140);
-    await slide(page, /Inductance/, 4);
+    await guess(page);
+    await page.getByRole("button", { name: "Hide the crossings" }).click();
     await reaches(page, "clamped", 30, 60);
     await reaches(page, "late", 30, 70);
     await reaches(page, "speed", 1400, 1600);
+    // The estimate of the text, and what the diode really takes of a step.
+    const [decay, half, clamped] = await Promise.all(["decay", "half", "clamped"].map((name) => reading(page, name)));
+    assert.ok(Math.abs(decay - (clamped / 100) * 2 * half) < 0.4 * decay, `${decay} us estimated, ${clamped} % of ${2 * half} us`);
     assert.deepEqual(complaints, []);
 });
 
 test("hall sensors: misaligned ones cost current, and the calibration finds by how much", async () => {
     const { page, complaints } = await open("hall-sensors", STILL);
+    await guess(page);
     await reaches(page, "peak", 2.5, 3.5);
     const aligned = await reading(page, "rms");
+    const peaks = { 0: await reading(page, "peak") };
+    for (const offset of [10, -30, 30]) {
+        await slide(page, /Sensors/, offset);
+        await page.waitForFunction((before) => Number.parseFloat(document.querySelector('[data-reading="peak"]').textContent) > before + 0.04, Math.max(...Object.values(peaks)));
+        peaks[offset] = await reading(page, "peak");
+    }
+    assert.ok(peaks[10] < 1.2 * peaks[0] && peaks[30] > peaks[-30] && peaks[-30] > 1.3 * peaks[0], JSON.stringify(peaks));
     await slide(page, /Sensors/, 40);
     await reaches(page, "peak", 7, 12);
     assert.ok((await reading(page, "rms")) > 2 * aligned);
@@ -187,6 +249,19 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     await reaches(page, "back", 50, 150);
     assert.ok((await reading(page, "overshoot")) < 40);
     assert.equal(await reading(page, "limiter"), "speed loop");
+    // Ten times Kp changes little, a hundred times shakes the motor, and the dip grows with the load.
+    const commissioned = await reading(page, "dip");
+    await slide(page, /Kp/, 1);
+    await page.waitForFunction((dip) => Number.parseFloat(document.querySelector('[data-reading="dip"]').textContent) !== dip, commissioned);
+    assert.ok(Math.abs((await reading(page, "dip")) - commissioned) < 0.1 * commissioned);
+    await slide(page, /Kp/, 2);
+    await reaches(page, "dip", 1000, 2000);
+    await slide(page, /Kp/, 0);
+    await reaches(page, "dip", commissioned, commissioned);
+    await slide(page, /Load/, 120);
+    await reaches(page, "dip", 1.3 * commissioned, 2 * commissioned);
+    await slide(page, /Load/, 80);
+    await reaches(page, "dip", commissioned, commissioned);
     await slide(page, /Ki/, 1);
     await reaches(page, "overshoot", 120, 400);
     const dip = await reading(page, "dip");
@@ -197,8 +272,10 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     await slide(page, /Ki/, 0);
     await slide(page, /limit/, 0.5);
     await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
-    await reaches(page, "speed", 800, 1400);
+    await reaches(page, "held", 800, 1400);
     await reaches(page, "mean-current", 0.45, 0.5);
+    await guess(page);
+    assert.ok((await reading(page, "after")) < 60, `${await reading(page, "after")} rpm`);
     assert.equal(await reading(page, "back"), "not within 900 ms");
     assert.deepEqual(complaints, []);
 });
@@ -261,6 +338,11 @@ test("frames: a click shows what it sends and what the drive says to it", async 
     await page.getByRole("row").filter({ hasText: "00 4E 00 00 00 04 00 03" }).getByRole("button").click();
     assert.deepEqual(await Promise.all(["Number", "Value", "Status"].map(field)), ["78 ", "4 ", "Out of range "]);
     assert.match(await page.getByRole("list", { name: "Data" }).textContent(), /004Eh = 78.*0004h = 4.*0003h = 3/);
+    await guess(page);
+    await page.getByRole("button", { name: "Silence the master" }).click();
+    await page.locator('[data-reading="state"]').getByText("6 Fault").waitFor();
+    // CAN time-out, parameter 114, from the last command of the master.
+    await reaches(page, "silence", 195, 255);
     assert.deepEqual(complaints, []);
 });
 
@@ -270,8 +352,14 @@ test("all chapters say what they are about, lead from one to the next, and end",
     await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").first().click();
     const visited = [];
     for (;;) {
-        await page.getByRole("heading", { name: "Try this" }).waitFor();
+        await page.locator(".predict").waitFor();
         visited.push(new URL(page.url()).hash);
+        // Paragraphs with a figure each, and with one control at most besides buttons of one group.
+        for (const scene of await page.locator(".scene").all()) {
+            const sliders = await scene.locator("input[type=range]").count();
+            assert.ok((await scene.locator("figure").count()) === 1 && sliders <= 1, await scene.locator("h2").textContent());
+            assert.ok((await scene.locator(".words").innerText()).length < 620, await scene.locator(".words").innerText());
+        }
         // The answer comes after a prediction.
         const predict = page.locator(".predict");
         assert.equal(await predict.locator("p").count(), 0);
@@ -312,13 +400,19 @@ test("the first place has a motor to grab, and two ways on", async () => {
 
 test("a phone's first screen always has a picture, or something to do", async () => {
     const { page } = await browser.open({ ...STILL, viewport: { width: 360, height: 740 } }, "#/learn");
+    const pictures = () => page.evaluate(() => [...document.querySelectorAll("article svg, article canvas, article figure button, article table, article .guess")].filter((picture) => picture.checkVisibility()).map((picture) => picture.getBoundingClientRect()).map(({ top, bottom }) => [top + scrollY, bottom + scrollY]));
     const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
     for (const route of ["#/learn", ...links]) {
         await page.evaluate((route) => location.assign(route), route);
         await page.locator("main h1").waitFor();
-        await page.locator("article svg, article canvas").first().waitFor();
-        const top = await page.evaluate(() => Math.min(...[...document.querySelectorAll("article svg, article canvas, article figure button")].filter((picture) => picture.checkVisibility()).map((picture) => picture.getBoundingClientRect().top)));
-        assert.ok(top < 740 - 120, `${route}: it begins at ${top} px`);
+        await page.locator("article svg, article canvas, article table").first().waitFor();
+        const places = (await pictures()).toSorted(([one], [two]) => one - two);
+        assert.ok(places[0][0] < 740 / 2 + 80, `${route}: it begins at ${places[0][0]} px`);
+        let end = 0;
+        for (const [top, bottom] of places) {
+            assert.ok(top - end < 740 - 120, `${route}: nothing but text from ${end} to ${top} px`);
+            end = Math.max(end, bottom);
+        }
     }
 });
 

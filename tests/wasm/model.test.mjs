@@ -1,7 +1,6 @@
 // What the explainer's pictures know of a motor is what the drive does and the bench shows.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -15,7 +14,8 @@ async function source(name) {
 }
 
 const model = await source("model.ts");
-const { MOTOR } = await source("motors.ts");
+const motors = await source("motors.ts");
+const { MOTOR } = motors;
 
 /** A motor that turns slowly under load, as columns. */
 function run() {
@@ -69,15 +69,75 @@ test("the torque of a step follows from the trapezoids", () => {
     }
 });
 
-test("the currents that the chapter on hall sensors quotes", () => {
-    const peak = (hallOffset) => {
-        const bench = new Bench(new Motor(MOTOR), { supplyVoltage: 24, mode: "hall", load: { constant: 0.05 }, hallOffset });
+/** A bench of the chapters that turns. */
+function turning(options = {}, rpm = 2000) {
+    const bench = new Bench(new Motor(MOTOR), { supplyVoltage: 24, mode: "hall", load: { constant: 0.03 }, ...options });
+    bench.run(0.6);
+    bench.start(rpm);
+    bench.run(1.2);
+    return bench;
+}
+
+/** Time until a bench is in a state, s. */
+function until(bench, state, limit = 4) {
+    const began = bench.time;
+    while (bench.state !== state && bench.time < began + limit) {
+        bench.step();
+        bench.takeTrace().free();
+    }
+    assert.equal(bench.state, state);
+    return bench.time - began;
+}
+
+test("the times that the chapter on faults tells are the drive's", () => {
+    const blocked = turning();
+    blocked.inject("blocked-rotor");
+    // Half a second of torque at speed 0, which takes a moment to be known.
+    const stall = until(blocked, 6);
+    assert.ok(stall > 0.5 && stall < 0.65, `${stall} s`);
+    // Half a second from the fault until Standby is accepted.
+    blocked.clear();
+    blocked.stop();
+    const acknowledged = until(blocked, 1);
+    assert.ok(Math.abs(acknowledged - 0.5) < 0.06, `${acknowledged} s`);
+    // In the tick that detects it.
+    const driver = turning();
+    driver.inject("driver", { phase: "A" });
+    assert.ok(until(driver, 6) < 3e-4);
+    // Without sensors it listens and tries again for two seconds.
+    const sensorless = turning({ mode: "sensorless" });
+    assert.equal(sensorless.state, 4);
+    sensorless.inject("blocked-rotor");
+    until(sensorless, 7);
+    const tries = until(sensorless, 1);
+    assert.ok(Math.abs(tries - 2) < 0.1, `${tries} s`);
+});
+
+test("the sensorless start of the chapter needs six crossings, and knows no inertia", () => {
+    for (const flywheel of [0, 10]) {
+        const bench = new Bench(new Motor(MOTOR), { supplyVoltage: 24, mode: "sensorless", load: { constant: 0.01, inertia: flywheel * MOTOR.inertia } });
         bench.run(0.6);
-        bench.start(2000);
-        bench.run(1.2);
-        return Math.max(...bench.run(0.05).column("peak_current"));
-    };
-    const text = readFileSync(new URL("../../wasm/web/src/learn/chapters/HallSensors.svelte", import.meta.url), "utf8");
-    const quoted = /At 30° late the peak is ([\d.]+) A, at 30° early ([\d.]+) A, aligned ([\d.]+) A/.exec(text.replaceAll(/\s+/g, " ")).slice(1).map(Number);
-    assert.deepEqual([30, -30, 0].map(peak).map((current) => Number(current.toFixed(1))), quoted);
+        bench.start(1500);
+        until(bench, 3);
+        let [crossings, step] = [0, bench.value("step")];
+        while (bench.state === 3) {
+            bench.step();
+            if (bench.value("step") !== step) {
+                step = bench.value("step");
+                crossings += Number(bench.value("crossing") === 1);
+            }
+        }
+        bench.takeTrace().free();
+        assert.equal(bench.state, 4);
+        assert.ok(crossings >= 6, `${crossings} crossings with ${flywheel} inertias`);
+    }
+});
+
+test("a sector has the samples that the chapter on back-EMF tells", () => {
+    assert.equal(motors.samplesPerSector(4000), 6);
+    const trace = turning({}, 4000).run(0.05);
+    const [step, { time }] = [trace.column("step"), trace];
+    const changes = [...step.keys()].filter((row) => row > 0 && step[row] !== step[row - 1]).map((row) => time[row]);
+    const sector = (changes.at(-1) - changes[0]) / (changes.length - 1);
+    assert.ok(Math.abs(sector - motors.sectorTime(4000)) < 0.05 * sector, `${sector} s`);
 });

@@ -148,6 +148,15 @@ impl Bench {
         Ok(())
     }
 
+    /// Dismisses the operator: from here, the drive is commanded by the frames of `send`. Does nothing if
+    /// there is none.
+    pub fn dismiss(&mut self) {
+        if let Host::Operator(session) = &self.host {
+            let parts = (session.bench().clone(), session.commissioning().clone());
+            self.host = Host::Nobody(Box::new(parts));
+        }
+    }
+
     /// Runs the simulation for `seconds`, to the nearest control tick, and returns the rows since the
     /// previous ones were taken, one for each tick. With `trace` false it keeps no rows, which is faster.
     pub fn run(&mut self, seconds: f64, trace: Option<bool>) -> Result<Trace, JsValue> {

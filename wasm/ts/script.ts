@@ -18,7 +18,7 @@ import {
 /** A call of a bench at the beginning of a control tick. */
 export type Input = { readonly tick: number } & (
     | { readonly call: "start" | "setSpeed"; readonly rpm: number }
-    | { readonly call: "stop" }
+    | { readonly call: "stop" | "dismiss" }
     | { readonly call: "send"; readonly id: number; readonly extended?: boolean; readonly remote?: boolean; readonly data: readonly number[] }
     | { readonly call: "inject"; readonly fault: InjectionName; readonly options?: InjectionOptions }
     | { readonly call: "clear"; readonly fault?: InjectionName; readonly options?: InjectionOptions }
@@ -26,6 +26,10 @@ export type Input = { readonly tick: number } & (
     | { readonly call: "setInput"; readonly input: InputName; readonly value: number }
     | { readonly call: "addTxDriver"; readonly options: TxDriverOptions }
 );
+
+/** A call without its tick. */
+export type Call = Untimed<Input>;
+type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
 /** Everything that determines the bits of a bench. It can be passed through `JSON.stringify`. */
 export interface Script {
@@ -63,6 +67,8 @@ export function apply(bench: Bench, input: Input): void {
             return bench.setSpeed(input.rpm);
         case "stop":
             return bench.stop();
+        case "dismiss":
+            return bench.dismiss();
         case "send":
             return bench.send(frameOf(input));
         case "inject":
@@ -106,8 +112,8 @@ export class Recorder {
     }
 
     /** Makes a call now, and records it; one that throws is not recorded. */
-    do(input: Input extends infer One ? Omit<One, "tick"> : never): void {
-        const timed = { ...input, tick: this.#bench.ticks } as Input;
+    do(call: Call): void {
+        const timed = { ...call, tick: this.#bench.ticks } as Input;
         apply(this.#bench, timed);
         this.#script.inputs.push(timed);
     }

@@ -48,6 +48,23 @@ const begin = {
     },
 };
 
+/** Address at which the page will be served, from the variable `NARX_PAGE_ADDRESS`: social networks show the preview
+ * picture only by its whole address, and nothing else of the page depends on the place. */
+export const address = (place) => ({
+    name: "narx-address",
+    transformIndexHtml(html) {
+        if (place === undefined) {
+            return html;
+        }
+        if (!/^https?:\/\/[^\s"]+\/$/.test(place)) {
+            throw new Error(`NARX_PAGE_ADDRESS "${place}": must be an address such as https://example.org/narx/, with the slash`);
+        }
+        return html
+            .replace('content="./preview.png"', `content="${place}preview.png"`)
+            .replace('<meta property="og:type"', `<meta property="og:url" content="${place}" />\n        <meta property="og:type"`);
+    },
+});
+
 /** The service worker, which keeps every file for use without a network. A newer version takes over when no page
  * of the older one is open: no page that operates a motor is ever loaded anew. */
 const offline = VitePWA({
@@ -70,7 +87,7 @@ const offline = VitePWA({
 export default defineConfig({
     // Relative addresses, so that the folder works wherever it is put.
     base: "./",
-    plugins: [svelte(), begin, offline],
+    plugins: [svelte(), begin, address(process.env.NARX_PAGE_ADDRESS), offline],
     resolve: {
         alias: [
             { find: /^narx$/, replacement: `${built}/narx.js` },

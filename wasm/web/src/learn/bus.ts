@@ -2,26 +2,27 @@
 // sections 2 and 5).
 
 import type { Frame } from "narx";
+import type { Call } from "narx/script";
 
 const SET = 0x0aad526e;
 const REQUEST = 0x0aad546e;
 const ANSWER = 0x1552a86e;
 
 /** PARAMETER: word 0 is the number, words 1 and 2 the value, high word first. */
-function parameter(id: number, number: number, value = 0): Frame {
+function parameter(id: number, number: number, value = 0): Call {
     const data = new DataView(new ArrayBuffer(8));
     data.setUint16(0, number);
     data.setInt32(2, value);
-    return { id, data: new Uint8Array(data.buffer) };
+    return { call: "send", id, data: [...new Uint8Array(data.buffer)] };
 }
 
-/** Returns a frame that writes a parameter, in its steps. */
-export function set(number: number, value: number): Frame {
+/** Returns the call that sends a frame which writes a parameter, in its steps. */
+export function set(number: number, value: number): Call {
     return parameter(SET, number, value);
 }
 
-/** Returns a frame that requests a parameter. */
-export function request(number: number): Frame {
+/** Returns the call that sends a frame which requests a parameter. */
+export function request(number: number): Call {
     return parameter(REQUEST, number);
 }
 

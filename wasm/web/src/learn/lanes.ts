@@ -74,6 +74,14 @@ export const FLOATING: Lane = {
     ],
 };
 
+export const STEPS: Lane = {
+    title: "Step",
+    unit: "",
+    height: 90,
+    range: [0, 13],
+    series: [{ label: "step", value: "step", colour: "--accent", stepped: true }],
+};
+
 /** Limiters of the duty, by the number of the signal `limiter` (parameter 280). */
 export const LIMITERS = [
     "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew rate",

@@ -1,7 +1,9 @@
 // Messages between a chapter and its simulation in the worker.
 
-import type { BenchOptions, BusFrame, Frame, InjectionName, InjectionOptions, LoadOptions, MotorName, MotorOptions, SignalName } from "narx";
+import type { BenchOptions, BusFrame, MotorName, MotorOptions, SignalName } from "narx";
 import type { DriveMessage, NodeMessage } from "narx/core";
+import type { Call } from "narx/script";
+import type { Run } from "../operate/bench/run";
 
 /** The signals from which pictures are drawn. */
 export const KEPT = [
@@ -23,16 +25,10 @@ export type Received = BusFrame & { message?: DriveMessage | NodeMessage };
 
 /** Action on a bench. */
 export type Action =
-    | { kind: "run"; seconds: number }
-    /** Runs until the drive is in another state, but no longer than `seconds`. */
-    | { kind: "nextState"; seconds: number }
-    | { kind: "start"; rpm: number }
-    | { kind: "setSpeed"; rpm: number }
-    | { kind: "stop" }
-    | { kind: "load"; load: LoadOptions }
-    | { kind: "inject"; fault: InjectionName; options?: InjectionOptions }
-    | { kind: "clear" }
-    | { kind: "send"; frame: Frame };
+    | { run: number }
+    /** Runs until a signal changes, but no longer than `seconds`. */
+    | { until: "state" | "step"; seconds: number }
+    | Call;
 
 /** A motor on a bench, and the actions before it is shown. */
 export interface Setup {
@@ -47,7 +43,9 @@ export type Request =
     | { kind: "begin"; narx: WebAssembly.Module; core?: WebAssembly.Module }
     | { kind: "open"; setup: Setup }
     | { kind: "pace"; pace: number }
-    | { kind: "act"; actions: Action[] };
+    | { kind: "act"; actions: Action[] }
+    /** Asks for the run up to the tick `age` before the newest. */
+    | { kind: "run"; age: number };
 
 /** Message from the worker. */
 export type Answer =
@@ -57,4 +55,5 @@ export type Answer =
     /** New rows. `acted`: the time at which the actions began that caused them, s; absent if only time has
      * passed. */
     | { kind: "ran"; rows: Rows; frames: Received[]; acted?: number; fault?: string }
+    | { kind: "run"; run: Run }
     | { kind: "refused"; reason: string };

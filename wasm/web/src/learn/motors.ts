@@ -25,12 +25,25 @@ export function perRpm({ torqueConstant }: MotorOptions): number {
     return ((torqueConstant / 2) * 2 * Math.PI) / 60;
 }
 
+/** Control ticks a second of the chapters' drives. */
+const RATE = 10_000;
+
+/** Returns the number of samples of the floating phase in a sector, at a speed of the shaft. */
+export function samplesPerSector(rpm: number): number {
+    return Math.floor(sectorTime(rpm) * RATE);
+}
+
+/** Returns the duration of a sector at a speed of the shaft, s. */
+export function sectorTime(rpm: number): number {
+    return 60 / (6 * MOTOR.polePairs * rpm);
+}
+
 /** Boots, starts in hall mode with `load` N m on the shaft, and runs until the speed is steady. */
 export function turning(rpm: number, load: number, more: Partial<Setup> = {}): Setup {
     const before: Action[] = [
-        { kind: "run", seconds: BOOT },
-        { kind: "start", rpm },
-        { kind: "run", seconds: 1.2 },
+        { run: BOOT },
+        { call: "start", rpm },
+        { run: 1.2 },
     ];
     return { motor: MOTOR, options: { supplyVoltage: SUPPLY, mode: "hall", load: { constant: load } }, before, ...more };
 }

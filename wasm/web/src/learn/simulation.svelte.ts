@@ -2,6 +2,7 @@
 // in view.
 
 import { module } from "../modules";
+import type { Run } from "../operate/bench/run";
 import { History, type Entered } from "./history";
 import { KEPT, type Action, type Answer, type Received, type Request, type Row, type Setup } from "./messages";
 import BenchWorker from "./worker?worker&inline";
@@ -51,6 +52,7 @@ export class Simulation {
     #busy = false;
     #changed = false;
     #frame = 0;
+    #told: (run: Run) => void = () => {};
     #read = 0;
     #hidden = () => this.#tellPace();
 
@@ -97,7 +99,20 @@ export class Simulation {
 
     /** Runs the simulation as fast as possible. */
     run(seconds: number): void {
-        this.act({ kind: "run", seconds });
+        this.act({ run: seconds });
+    }
+
+    /** Returns the run up to the tick in view. */
+    moment(): Promise<Run> {
+        return new Promise((resolve) => {
+            this.#told = resolve;
+            this.#ask({ kind: "run", age: this.age });
+        });
+    }
+
+    /** Phase currents of the tick in view, A. */
+    get currents(): number[] {
+        return [this.row.current_a, this.row.current_b, this.row.current_c];
     }
 
     /** Goes this many ticks forward, or back if negative, and stops the time. */
@@ -156,6 +171,8 @@ export class Simulation {
             case "ran":
                 this.#ran(answer);
                 return this.#openWanted();
+            case "run":
+                return this.#told(answer.run);
             case "refused":
                 this.problem = answer.reason;
                 this.#busy = false;

@@ -3,6 +3,7 @@
 
 import init, { Bench, Motor, type BusFrame, type Trace } from "narx";
 import initCore, { decode } from "narx/core";
+import { apply, perform, type Input } from "narx/script";
 import { KEPT, type Action, type Answer, type Received, type Request, type Rows, type Setup } from "./messages";
 
 /** Time between two runs, ms: one picture of a common screen. */
@@ -13,6 +14,9 @@ const RUN_MAX = 0.05;
 const TOLD_MAX = 30_000;
 
 let bench: Bench | undefined;
+let setup: Setup | undefined;
+/** Every call of the bench, for a copy of its run. */
+let inputs: Input[] = [];
 let pace = 0;
 let before = 0;
 /** Requested time that was not simulated yet, less than a tick, s. */
@@ -58,57 +62,48 @@ function act(bench: Bench, actions: Action[]): void {
     const began = bench.time;
     const parts: Rows[] = [];
     for (const action of actions) {
-        switch (action.kind) {
-            case "run":
-                parts.push(rowsOf(bench.run(action.seconds)));
-                break;
-            case "nextState": {
-                const state = bench.value("state");
-                for (let left = action.seconds * bench.tickRate; left > 0 && bench.value("state") === state; left--) {
-                    bench.step();
-                }
-                parts.push(rowsOf(bench.takeTrace()));
-                break;
+        if ("run" in action) {
+            parts.push(rowsOf(bench.run(action.run)));
+        } else if ("until" in action) {
+            const value = bench.value(action.until);
+            for (let left = action.seconds * bench.tickRate; left > 0 && bench.value(action.until) === value; left--) {
+                bench.step();
             }
-            case "start":
-                bench.start(action.rpm);
-                break;
-            case "setSpeed":
-                bench.setSpeed(action.rpm);
-                break;
-            case "stop":
-                bench.stop();
-                break;
-            case "load":
-                bench.setLoad(action.load);
-                break;
-            case "inject":
-                bench.inject(action.fault, action.options);
-                break;
-            case "clear":
-                bench.clear();
-                break;
-            case "send":
-                bench.send(action.frame);
-                break;
+            parts.push(rowsOf(bench.takeTrace()));
+        } else {
+            const input = { ...action, tick: bench.ticks } as Input;
+            apply(bench, input);
+            inputs.push(input);
         }
     }
     tell(joined(parts), began);
 }
 
-function open({ motor, options, before }: Setup): void {
+function open(wanted: Setup): void {
+    const { motor, options, before } = wanted;
     const made = typeof motor === "string" ? Motor.preset(motor) : new Motor(motor);
     try {
         // Without a recording, which would only grow and is not used.
         const fresh = new Bench(made, { ...options, recording: false });
         bench?.free();
-        bench = fresh;
+        [bench, setup, inputs] = [fresh, wanted, []];
     } finally {
         made.free();
     }
     owed = 0;
     answer({ kind: "opened", tick: 1 / bench.tickRate });
     act(bench, before);
+}
+
+/** Answers with the run up to the tick `age` before the newest; its digest is that of the run made again. */
+function run(bench: Bench, { motor, options }: Setup, age: number): void {
+    const ticks = bench.ticks - age;
+    const past = inputs.filter(({ tick }) => tick <= ticks);
+    const again = perform({ motor, options, inputs: past, ticks });
+    const { digest } = again;
+    again.free();
+    // The bench of the panels passes to the page's master when time runs on.
+    answer({ kind: "run", run: { setup: { motor, options: { ...options, operator: true } }, inputs: past, ticks, digest } });
 }
 
 function pass(): void {
@@ -144,6 +139,11 @@ function handle(request: Request): void | Promise<void> {
         case "act":
             if (bench) {
                 act(bench, request.actions);
+            }
+            return;
+        case "run":
+            if (bench && setup) {
+                run(bench, setup, request.age);
             }
             return;
     }

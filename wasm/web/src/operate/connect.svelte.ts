@@ -61,9 +61,10 @@ export function connectFirst(): Promise<void> {
     return connectVirtual({ motor, options: { mode, supplyVoltage } });
 }
 
-/** Connects the run that another user has passed on. */
+/** Connects the run that another user, or a chapter, has passed on. In that of a chapter no master has read the
+ * parameters. */
 export function connectRun(run: Run): Promise<void> {
-    return session.connect((listener) => virtualDrive.reproduce(run, listener), { ...master(), readParameters: false, readDescription: false });
+    return session.connect((listener) => virtualDrive.reproduce(run, listener), { ...master(), readParameters: run.setup.options.operator === true, readDescription: false });
 }
 
 /** Connects a bus log: the master receives the logged frames, and sends nothing. */

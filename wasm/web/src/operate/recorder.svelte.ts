@@ -51,6 +51,8 @@ class Recorder implements Source {
     readonly live = true;
     readonly history = new History();
     events = $state.raw<readonly Event[]>([]);
+    /** Earlier instant that plots and measurements show while a real drive runs on, s. */
+    past = $state<number>();
     #now = 0;
     readonly #pulse = new Pulse();
     #signals = $state.raw<readonly MeasurementSignal[]>([]);
@@ -71,6 +73,11 @@ class Recorder implements Source {
     }
 
     get end(): number {
+        return this.past ?? this.now;
+    }
+
+    /** The link's present time, s. */
+    get now(): number {
         this.#pulse.read();
         return this.#now;
     }
@@ -118,6 +125,7 @@ class Recorder implements Source {
     }
 
     clear(): void {
+        this.past = undefined;
         this.history.clear();
         this.events = [];
         [this.#state, this.#faults, this.#setpoint, this.#last] = [undefined, "", 0, -Infinity];
@@ -126,7 +134,7 @@ class Recorder implements Source {
 
     window(keys: readonly string[], from: number, to: number, points: number): uPlot.AlignedData {
         const [received, plant] = [keys.filter((key) => !key.startsWith(TRUE)), keys.filter((key) => key.startsWith(TRUE))];
-        const end = Math.min(to, this.#now);
+        const end = Math.min(to, this.past ?? this.#now);
         const own = () => this.history.window(received, from, end, points);
         const truth = () => virtualDrive.rows.window(plant.map((key) => key.slice(TRUE.length)), from, end, points);
         if (plant.length === 0) {

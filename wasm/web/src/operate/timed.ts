@@ -1,4 +1,4 @@
-// A run whose time can be stopped and gone back in.
+// A run in which one can go back.
 
 export interface Timed {
     /** Times of the first instant and of the last, and the present one, s. */
@@ -8,6 +8,8 @@ export interface Timed {
     /** Step of the time, s; absent if any instant can be shown. */
     readonly tick?: number;
     readonly playing?: boolean;
+    /** Names of the button that stops the time, and of the one that lets it go on; default "Pause" and "Run". */
+    readonly names?: readonly [string, string];
     /** Seconds of the run in a second while it plays, and the choice of them with their names. */
     readonly pace?: number;
     readonly paces?: readonly (readonly [number, string])[];

@@ -2,7 +2,7 @@
 
 import type { Bench, BusFrame, Trace } from "narx";
 import { apply, type Input } from "narx/script";
-import { ROW, type Action, type Now, type Rows, type Setup } from "./messages";
+import { ROW, TRUTH, type Action, type Now, type Rows, type Setup, type Truth } from "./messages";
 import type { Run } from "./run";
 
 /** A module with a bench: "narx" or "narx/full". */
@@ -50,6 +50,9 @@ export class JournalledBench {
 
     /** Carries out an action and records it. Throws if the bench refuses it; it is then not recorded. */
     act(action: Action): void {
+        if (action.call !== "dismiss") {
+            this.#takeOver();
+        }
         const input = { ...action, tick: this.#bench.ticks } as Input;
         apply(this.#bench, input);
         this.#forget();
@@ -62,6 +65,7 @@ export class JournalledBench {
     advance(ticks: number): { rows: Rows; frames: BusFrame[] } {
         if (ticks > 0) {
             this.#forget();
+            this.#takeOver();
             this.#keep();
         }
         const seen = this.#see(ticks);
@@ -91,7 +95,8 @@ export class JournalledBench {
     }
 
     now(pace: number): Now {
-        return { time: this.#bench.time, ticks: this.#bench.ticks, end: this.#end, pace };
+        const truth = Object.fromEntries(TRUTH.map((name) => [name, this.#bench.value(name)])) as Truth;
+        return { time: this.#bench.time, ticks: this.#bench.ticks, end: this.#end, pace, truth };
     }
 
     /** Returns everything that determines the run so far. */
@@ -127,12 +132,23 @@ export class JournalledBench {
     }
 
     #powered(recording: boolean): Bench {
-        const motor = this.#kit.Motor.preset(this.setup.motor);
+        const { motor: chosen, options } = this.setup;
+        const motor = typeof chosen === "string" ? this.#kit.Motor.preset(chosen) : new this.#kit.Motor(chosen);
         try {
-            // The master on the page is the operator.
-            return new this.#kit.Bench(motor, { ...this.setup.options, operator: false, recording });
+            return new this.#kit.Bench(motor, { ...options, operator: options.operator ?? false, frames: true, recording });
         } finally {
             motor.free();
+        }
+    }
+
+    /** Dismisses the bench's own operator, if it has one, before anything new: from here the master on the page
+     * commands. */
+    #takeOver(): void {
+        if (this.setup.options.operator) {
+            const dismissed = this.#inputs.findIndex(({ call }) => call === "dismiss");
+            if (dismissed < 0 || dismissed >= this.#applied) {
+                this.act({ call: "dismiss" });
+            }
         }
     }
 

@@ -1,21 +1,26 @@
 // Messages between the page and the worker with the bench.
 
-import type { BenchOptions, InjectionKind, Input as BoardInput, MotorName } from "narx";
-import type { Input } from "narx/script";
+import type { BenchOptions, InjectionKind, Input as BoardInput, MotorName, MotorOptions } from "narx";
+import type { Call } from "narx/script";
 import type { Frames } from "./frames";
 import type { Run } from "./run";
 
 /** Set-up of the bench: everything that determines a run, except its inputs. */
 export interface Setup {
-    motor: MotorName;
+    motor: MotorName | MotorOptions;
+    /** With `operator`, the run begins with the bench's own operator, until something new happens. */
     options: BenchOptions;
     /** True if the drive has a log memory, its description and a bootloader ("narx/full"). */
     full?: boolean;
 }
 
+/** Returns the name of a motor: that of a preset, or one for the data of a chapter's motor. */
+export function motorName({ motor }: Setup): string {
+    return typeof motor === "string" ? motor : "motor of a chapter";
+}
+
 /** Action on the bench: an input of a script, carried out now. */
-export type Action = Untimed<Input>;
-type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
+export type Action = Call;
 
 /** Message from the page. */
 export type Request =
@@ -74,4 +79,10 @@ export interface Now {
     end: number;
     /** Requested simulated seconds in a second. */
     pace: number;
+    /** True values of the last tick. */
+    truth: Truth;
 }
+
+/** True values of an instant: state, speed, rpm, electrical angle of the rotor, degrees, and bus current, A. */
+export const TRUTH = ["state", "speed", "angle", "bus_current"] as const;
+export type Truth = Record<(typeof TRUTH)[number], number>;

@@ -1,7 +1,7 @@
 // A run that can be passed on: the set-up of the bench, and every input with its control tick. It contains
 // everything that determines the run, so repeating it gives the same bits.
 
-import type { Input } from "narx/script";
+import type { Call, Input } from "narx/script";
 import type { Setup } from "./messages";
 
 /** Version of the format; increased when the meaning of a field changes. */
@@ -22,7 +22,7 @@ export interface Run {
 }
 
 type Sent = Extract<Input, { call: "send" }>;
-type Call = Omit<Exclude<Input, Sent>, "tick">;
+type Other = Exclude<Call, { call: "send" }>;
 
 /** Form of a run before compression: each frame once, and a row for each input. */
 interface Packed {
@@ -32,7 +32,7 @@ interface Packed {
     /** Ticks since the previous input. */
     after: number[];
     /** Index in `frames`, or an action. */
-    what: (number | Call)[];
+    what: (number | Other)[];
     ticks: number;
     digest: string;
 }
@@ -81,8 +81,8 @@ export async function decode(text: string): Promise<Run> {
     return { setup, inputs, ticks, digest };
 }
 
-function withoutTick({ tick: _, ...call }: Input): Call {
-    return call as Call;
+function withoutTick({ tick: _, ...call }: Input): Other {
+    return call as Other;
 }
 
 function frameText({ id, extended, remote, data }: Sent): string {

@@ -2,7 +2,7 @@
 
 import type { Frame, InjectionKind, Input } from "narx";
 import { unpack } from "../bench/frames";
-import type { Action, Answer, MotorEntry, Now, Request, Rows, Setup } from "../bench/messages";
+import { motorName, type Action, type Answer, type MotorEntry, type Now, type Request, type Rows, type Setup } from "../bench/messages";
 import type { Run } from "../bench/run";
 import BenchWorker from "../bench/worker?worker&inline";
 import { module } from "../../modules";
@@ -26,7 +26,7 @@ export interface Reproduced {
 class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
-    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1 };
+    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1, truth: { state: 0, speed: 0, angle: 0, bus_current: 0 } };
     readonly #pulse = new Pulse();
     /** Simulated seconds in a second while time runs. */
     pace = $state(1);
@@ -138,7 +138,7 @@ class VirtualDrive {
         this.#listener = listener;
         const now = () => this.#now.time;
         return {
-            name: `Virtual drive, ${setup.motor}`,
+            name: `Virtual drive, ${motorName(setup)}`,
             readOnly: false,
             get now() {
                 return now();
