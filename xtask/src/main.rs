@@ -91,6 +91,9 @@ enum Job {
     /// certificate.svg
     #[command(disable_help_flag = true)]
     Certificate(Other),
+    /// Identify every motor of the market and random motors on the bench, and compare with the truth
+    #[command(disable_help_flag = true)]
+    Identify(Other),
     /// Simulate many simultaneous faults, and check what may never happen; `--hours 100 --out docs/evidence`
     /// writes docs/evidence/worlds.json
     #[command(disable_help_flag = true)]
@@ -169,6 +172,7 @@ fn main() -> ExitCode {
         Job::Bench(arguments) => finish(bench::run(root, &arguments)),
         Job::Quality(arguments) => other(LAB, "quality", arguments),
         Job::Certificate(arguments) => other(LAB, "certificate", arguments),
+        Job::Identify(arguments) => other(LAB, "identify", arguments),
         Job::Worlds(arguments) => other(LAB, "worlds", arguments),
         Job::Vectors(arguments) => other(LAB, "vectors", arguments),
         Job::Conformance(Other { arguments }) => finish(test::conformance(root, &arguments)),
