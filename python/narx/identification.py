@@ -107,17 +107,19 @@ def identify(
 ) -> Identified:
     """Identifies the motor; see `narx.Drive.identify`."""
     identification = _core.Identification(pole_pairs, current, bridge, turn)
-    stage = None
+    stage = ""
     try:
         while (figures := identification.step(link.master)) is None:
-            if progress is not None and stage != (stage := identification.stage):
+            if progress is not None and identification.stage != stage:
+                stage = identification.stage
                 progress(stage)
             link.wake()
             link.wait(lambda: False, POLL)
     except BaseException:
         end(link, identification)
         raise
-    return Identified(**{name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()})
+    known: dict[str, Any] = {name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()}
+    return Identified(**known)
 
 
 def end(link: Link, identification: _core.Identification) -> None:

@@ -73,7 +73,7 @@ struct Truth {
 }
 
 fn identify(board: &Board, subject: &Subject, seed: u64) -> Trial {
-    let mut random = Random::new(seed ^ 0x1DE_47);
+    let mut random = Random::new(seed ^ 0x0001_DE47);
     let config = subject.preset.motor;
     let ambient = 0.0 + 60.0 * random.uniform();
     let mut plant = PlantConfig { board: *board, ..PlantConfig::new(config, subject.supply) };
