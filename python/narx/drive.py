@@ -371,7 +371,7 @@ class Drive:
         "restoring".
 
         The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
-        parameter has its former value, also after an error or Ctrl-C. Raises StartError for a motor that is
+        parameter but the scope's has its former value, also after an error or Ctrl-C. Raises StartError for a motor that is
         missing, blocked or incomplete, or that the drive cannot turn.
         """
         self._refuse_silence()

@@ -3,7 +3,7 @@
 use crate::master_bench::Rig;
 use narx_core::commissioning::{Mode, WRITTEN};
 use narx_core::identification::{Asked, Figure, Identification, IdentificationError, Identified, Stage};
-use narx_core::master::{Config, JobError, Request};
+use narx_core::master::{Config, Job, JobError, Request};
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::Cause;
 use narx_sim::plant::{Injection, Phase};
@@ -168,6 +168,18 @@ fn a_silent_master_stops_the_motor() {
     });
     assert!(outcome.is_err(), "{outcome:?}");
     assert!(!rig.bench.status().state.is_driving(), "{:?}", rig.bench.status().state);
+}
+
+#[test]
+fn a_motor_that_runs_is_left_alone() {
+    let mut rig = rig();
+    rig.master.begin(Job::Start { rpm: 2000 }).unwrap();
+    rig.run(1.5);
+    assert_eq!(rig.master.poll_job(), Some(Ok(())));
+    let error = identify(&mut rig, Asked::new(8), |_, _| {}).unwrap_err();
+    assert!(error.to_string().ends_with("not in Standby"), "{error}");
+    rig.run(0.5);
+    assert!((rig.speed() - 2000.0).abs() < 40.0, "{}", rig.speed());
 }
 
 #[test]

@@ -25,7 +25,7 @@ const LEAST: f64 = 0.2;
 
 /// Relative uncertainty of the inertia at best.
 const FLOOR: f64 = 0.05;
-/// What is left of the current channel's zero, A.
+/// Error that is left of the current channel's zero, A.
 const ZERO: f64 = 1e-3;
 
 /// Inertia, kg m2, and its relative uncertainty.

@@ -205,7 +205,7 @@ fn second(terminals: &[f64; 3], top: usize) -> f64 {
     fmax(terminals[(top + 1) % 3], terminals[(top + 2) % 3])
 }
 
-/// How far `top` is above the other two; 0 once another one is.
+/// Voltage by which `top` is above the other two; 0 once another one is.
 fn lead(terminals: &[f64; 3], top: usize) -> f64 {
     fmax(terminals[top] - second(terminals, top), 0.0)
 }

@@ -38,7 +38,7 @@ pub enum IdentificationError {
     },
     /// Two phases are shorted, or the bridge has less resistance than was said.
     Short {
-        /// What is between them, bridge included, ohm.
+        /// Resistance between them, bridge included, ohm.
         resistance: f64,
     },
     /// The supply cannot hold its voltage under load.
@@ -69,7 +69,7 @@ pub enum IdentificationError {
         /// Fastest speed, rpm.
         fast: f64,
     },
-    /// What was measured cannot be commissioned.
+    /// The measured figures cannot be commissioned.
     Commissioning(CommissioningError),
     /// A start or a record has failed.
     Job(JobError),

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Each step is commissioned from what the ones before have measured. At the end, and after an error, the
-//! motor stands and the drive has the parameters that it had.
+//! motor stands and the drive has the parameters that it had, but for the scope's.
 //!
 //! Pole pairs cannot be seen in volts and amperes: they have to be given.
 
@@ -39,7 +39,7 @@ use libm::{fmax, fmin, round, sqrt};
 use script::{Action, Script};
 use winding::{Lock, Winding};
 
-/// What the user knows of the motor, and allows.
+/// Facts that the user knows of the motor, and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
     /// Pole pairs, 1 to 50.
@@ -82,7 +82,7 @@ pub struct Identified {
     pub resistance: Figure,
     /// Line to line, H.
     pub inductance: Figure,
-    /// What a rotor that turned has shown.
+    /// Figures of a rotor that has turned; `None` if it was held.
     pub turned: Option<Turned>,
 }
 
@@ -170,7 +170,7 @@ pub struct Identification {
     end: Option<Outcome>,
 }
 
-/// What is known so far.
+/// Figures that are known so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     /// Words of the scope's memory.
@@ -188,7 +188,7 @@ struct Found {
     /// N m/A, with its standard error.
     torque_constant: (f64, f64),
     inertia: Option<Inertia>,
-    /// What the current channel reads without a current, A.
+    /// Reading of the current channel without a current, A.
     zero: f64,
     /// Set-point of the last run, rpm.
     speed: f64,
@@ -222,8 +222,8 @@ const SLOWER: f64 = 3.0;
 /// Most starts that look for that speed.
 const SPINS: u8 = 6;
 
-/// Where motors of 20 to 200 W lie before anything is known: `k / sqrt(R)`, N m per root watt, and `J R / k^2`,
-/// s. Both are on the safe side: a light rotor gets low gains.
+/// Guesses for a motor of 20 to 200 W before anything is known: `k / sqrt(R)`, N m per root watt, and
+/// `J R / k^2`, s. Both are on the safe side: a light rotor gets low gains.
 const MOTOR_CONSTANT: f64 = 0.05;
 const MECHANICAL_TIME: f64 = 8e-3;
 
@@ -254,6 +254,7 @@ impl Identification {
         let mut script = Script::default();
         // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.
         script.add([
+            Action::Ready,
             Action::Read(number::SCOPE_ROOM),
             Action::Read(number::OVER_VOLTAGE),
             Action::Write(number::SCOPE_PRESCALER, 1000),
@@ -287,7 +288,7 @@ impl Identification {
 
     /// Goes on; returns the result once. now: microseconds, as of the master.
     pub fn step(&mut self, master: &mut Master, now: u64) -> Option<Outcome> {
-        if self.end.is_none() && !master.is_connected(now) {
+        if self.end.is_none() && self.stage != Stage::Asks && !master.is_connected(now) {
             self.finish(master, Err(IdentificationError::Lost));
         }
         loop {
@@ -297,7 +298,7 @@ impl Identification {
                 Err(IdentificationError::Request(_, RequestError::NoAnswer))
                     if self.stage == Stage::Restores =>
                 {
-                    self.script.end();
+                    self.script.drop_all(master);
                     continue;
                 }
                 Err(_) if self.stage == Stage::Restores => {
@@ -343,9 +344,14 @@ impl Identification {
     }
 
     fn finish(&mut self, master: &mut Master, end: Outcome) {
+        if self.stage == Stage::Asks {
+            // Nothing was changed yet: a motor that somebody runs goes on.
+            self.script.drop_all(master);
+        } else {
+            self.script.restore(master);
+        }
         self.stage = Stage::Restores;
         self.end.get_or_insert(end);
-        self.script.restore(master);
     }
 
     /// The script is done: takes what it has brought, and writes the next one.
@@ -579,7 +585,7 @@ impl Identification {
     }
 
     /// A coasting rotor is recorded: a faster run, or what k is.
-    fn spun(&mut self, _master: &mut Master) -> Result<(), IdentificationError> {
+    fn spun(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
         self.round += 1;
         let poles = f64::from(self.asked.pole_pairs);
         let coast = Coast::of(&self.script.record);
@@ -601,7 +607,7 @@ impl Identification {
                 return Ok(());
             }
             // The drive turns no faster: this is what there is.
-            self.script.end();
+            self.script.drop_all(master);
         }
         (self.found.coast, self.stage, self.round) = (Some(coast), Stage::Accelerates, 0);
         self.accelerate(fmin(fmax(before, 1.0), most))

@@ -1,4 +1,4 @@
-//! What an identification does next, one action after the other, and what it changes for the time being.
+//! The next actions of an identification, one after the other, and the parameters that it changes.
 
 use super::record::{Record, channels};
 use super::{IdentificationError, MARGIN, PATIENCE};
@@ -12,6 +12,8 @@ use libm::fabs;
 /// One action.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Action {
+    /// Waits until the drive is in Standby: it may still be booting.
+    Ready,
     /// Reads a parameter; its raw value is the next of the answers.
     Read(u16),
     /// Writes a parameter, and remembers what it was.
@@ -99,6 +101,12 @@ impl Script {
 
     /// Drops everything: the motor stops, and a fault is acknowledged.
     pub(super) fn give_up(&mut self, master: &mut Master) {
+        self.drop_all(master);
+        self.add([Action::Stop, Action::Wait(REST_AFTER_FAULT)]);
+    }
+
+    /// Drops everything, also the action under way.
+    pub(super) fn drop_all(&mut self, master: &mut Master) {
         self.actions.clear();
         match self.under_way.take() {
             Some((Action::Read(_) | Action::Write(..), _)) => self.stray = true,
@@ -113,17 +121,10 @@ impl Script {
             }
             _ => {}
         }
-        self.add([Action::Stop, Action::Wait(REST_AFTER_FAULT)]);
     }
 
     /// Gives up the action under way.
     pub(super) fn skip(&mut self) {
-        self.under_way = None;
-    }
-
-    /// Gives up everything: nobody answers.
-    pub(super) fn end(&mut self) {
-        self.actions.clear();
         self.under_way = None;
     }
 
@@ -194,7 +195,7 @@ impl Script {
             Action::Force => master.begin(Job::ForceScope),
             Action::AwaitRecord => master.begin(Job::AwaitScope { within: PATIENCE }),
             Action::Download(words) => master.download(Download::Scope { words }),
-            Action::Wait(_) => Ok(()),
+            Action::Ready | Action::Wait(_) => Ok(()),
         };
         taken.map_err(IdentificationError::NotTaken)
     }
@@ -202,6 +203,11 @@ impl Script {
     fn is_done(&mut self, action: Action, master: &mut Master, now: u64, waited: u64) -> Done {
         match action {
             Action::Read(_) | Action::Write(..) => self.is_answered(action, master),
+            Action::Ready => match master.state() {
+                Some(State::Standby) => Ok(true),
+                None | Some(State::Initialization) if waited < PATIENCE => Ok(false),
+                state => Err(IdentificationError::NotInStandby(state)),
+            },
             Action::Wait(time) => {
                 has_no_fault(master)?;
                 Ok(waited >= time)

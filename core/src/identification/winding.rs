@@ -37,7 +37,7 @@ pub(super) struct Lock {
     pub(super) raised: f64,
     /// Charge that returned, A times the period.
     charge: f64,
-    /// What the current channel reads without a current, A.
+    /// Reading of the current channel without a current, A.
     pub(super) zero: f64,
     /// Standard deviation of one reading of the current, A.
     pub(super) noise: f64,
@@ -75,8 +75,8 @@ impl Lock {
             rows().take(held).map(|[_, _, i]| (i - held_current) * (i - held_current)).sum::<f64>() / count,
         );
         let duty = duty / 100.0;
-        // A reading is the mean since the reading before. The last of the pulses was read after the pulse, the
-        // next one early in its period.
+        // A reading is the mean since the reading before. The last of the pulses was read after the pulse,
+        // the next one early in its period.
         let off = rows().take(before + 4).position(|[_, duty, _]| duty == 0.0)?;
         let raised =
             rows().skip(off + 2).take(RAISED).map(|[voltage, ..]| voltage).sum::<f64>() / RAISED as f64;
