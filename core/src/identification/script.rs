@@ -158,10 +158,12 @@ impl Script {
                 self.begin(action, master)?;
             }
             let Some((action, since)) = self.under_way else { continue };
-            if !self.is_done(action, master, now, now.saturating_sub(since))? {
+            let done = self.is_done(action, master, now, now.saturating_sub(since));
+            if matches!(done, Ok(false)) {
                 return Ok(false);
             }
             self.under_way = None;
+            done?;
         }
     }
 
