@@ -20,6 +20,8 @@
 //!   device      Drive, scope and Node, joined by such queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
 //!   eddycan     the TX-Driver, another device: eddyCAN on 11-bit identifiers
+//!   commissioning    a parameter set from the figures of a motor
+//!   identification   those figures, measured by its drive, through a master
 //!   blocks      the drive's stations one by one, for whoever wants one of them alone
 //!   initialiser coefficients as constants of a C program
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
@@ -27,7 +29,8 @@
 //!
 //! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`,
 //! `storage`, `description`, `node`, `queue`, `device`, `master`, `recording`; `eddycan` stands beside them
-//! on `bus` alone, `blocks` and `initialiser` on `motor`.
+//! on `bus` alone, `blocks`, `initialiser` and `commissioning` on `motor`, `identification` on `master` and
+//! `commissioning`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to
 //! the background. Both take everything as arguments, time included, and return what they answer.
@@ -36,7 +39,8 @@
 //! `log`, `scope` and its `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is
 //! left out is refused. Two more are off by default: `update` (programming over CAN) and `code-flash`
 //! (parameters in the flash that the code runs from). Two more are not for a drive: `engineering` (parameters
-//! in their units, as floating-point numbers, and `initialiser`) and `blind` (for checking the tests).
+//! in their units, as floating-point numbers; `initialiser`, `commissioning` and `identification`) and `blind`
+//! (for checking the tests).
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         Job::Quality(arguments) => quality::command(root, &arguments),
         Job::Worlds(arguments) => worlds::command(root, &arguments),
         Job::Certificate(arguments) => certificate::command(root, &arguments),
-        Job::Identify(arguments) => identify::command(root, &arguments),
+        Job::Identify(arguments) => identify::command(&arguments),
         Job::Conformance(arguments) => conformance::command(root, &arguments),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Running { out } => running::command(&out),

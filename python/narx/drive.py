@@ -371,8 +371,10 @@ class Drive:
         "restoring".
 
         The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
-        parameter but the scope's has its former value, also after an error or Ctrl-C. Raises StartError for a motor that is
-        missing, blocked or incomplete, or that the drive cannot turn.
+        parameter but the scope's has its former value, also after an error or Ctrl-C. Before k is known the rotor
+        turns at 50 electrical revolutions a second, or a little more; from then on at half of its nominal speed
+        at most. Raises StartError for a motor that is missing, blocked or incomplete, or that the drive cannot
+        turn, and for a drive that is not in Standby.
         """
         self._refuse_silence()
         return identify(self._link, pole_pairs, current, bridge, turn, progress)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
 from narx import _core, given
-from narx.errors import AbortError, RefusedError
+from narx.errors import NarxError, RefusedError
 from narx.link import Link
 
 POLL = 0.005
@@ -17,7 +18,7 @@ POLL = 0.005
 
 @dataclass(frozen=True)
 class Figure:
-    """A measured figure. The truth is within `uncertainty` of `value` for 95 of 100 motors."""
+    """A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors."""
 
     value: float
     uncertainty: float
@@ -34,9 +35,9 @@ class Identified:
     pole_pairs: int
     """As given."""
     supply_voltage: float
-    """V."""
+    """Bus voltage without load, V."""
     current: float
-    """Largest phase current that was used, A."""
+    """Largest phase current of the identification: the given one, or what the heat allows, A."""
     resistance: Figure
     """Line to line, ohm."""
     inductance: Figure
@@ -63,9 +64,9 @@ class Identified:
         return _core.Motor(**self._figures() | others)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the figures as a grid file (TOML) for `narx sweep`, which also holds them for another day."""
+        """Writes the figures as a grid file (TOML) for `narx sweep`, without supply and speeds: add
+        supply_voltage and rpm to it, or give them by --set."""
         lines = [f"{name} = {value!r}" for name, value in self._figures().items()]
-        lines.append(f"supply_voltage = {round(self.supply_voltage, 1)!r}")
         given.path(path).write_text("\n".join(["# Measured by the drive.", *lines, ""]))
 
     def _figures(self) -> dict[str, float]:
@@ -115,20 +116,18 @@ def identify(
                 progress(stage)
             link.wake()
             link.wait(lambda: False, POLL)
-    except BaseException:
-        end(link, identification)
-        raise
+    finally:
+        if not identification.has_ended:
+            end(link, identification)
     known: dict[str, Any] = {name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()}
     return Identified(**known)
 
 
 def end(link: Link, identification: _core.Identification) -> None:
-    """Ends an identification that was interrupted: the motor stops and the parameters get their values back. One
-    that has ended by itself is left alone."""
+    """Ends an identification that was interrupted: the motor stops and the parameters get their values back."""
     identification.abort(link.master)
-    try:
+    # Its error is that of the interruption, which the caller raises.
+    with suppress(NarxError):
         while identification.step(link.master) is None:
             link.wake()
             link.wait(lambda: False, POLL)
-    except (RefusedError, AbortError):
-        pass

@@ -35,6 +35,12 @@ impl Identification {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).stage().name()
     }
 
+    /// `step` has returned the figures, or raised the error.
+    #[getter]
+    fn has_ended(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).has_ended()
+    }
+
     /// Goes on; returns the figures once it has ended: name -> value, or value and uncertainty. Raises the
     /// error with which it has ended.
     fn step<'py>(&self, py: Python<'py>, master: &Master) -> PyResult<Option<Bound<'py, PyDict>>> {

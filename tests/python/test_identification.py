@@ -58,6 +58,15 @@ def test_stages_are_told_and_an_interrupt_leaves_the_drive_as_it_was() -> None:
     assert bench.drive.state is narx.State.STANDBY
 
 
+def test_a_motor_that_runs_is_left_alone() -> None:
+    bench = narx.Bench(NAME, recording=False)
+    bench.drive.start(2000)
+    with pytest.raises(narx.StartError, match="not in Standby"):
+        bench.drive.identify(8)
+    bench.run(1.0)
+    assert bench.drive.measurements.speed == pytest.approx(2000, rel=0.02)
+
+
 def test_what_is_wrong_has_a_name() -> None:
     bench = narx.Bench(NAME, recording=False)
     for phase in "ABC":

@@ -1,6 +1,6 @@
 //! Inertia, from the power that accelerates the rotor.
 //!
-//! What the bus delivers less the heat of the winding becomes kinetic energy and friction:
+//! The power of the bus, less the heat of the winding, becomes kinetic energy and friction:
 //!
 //! ```text
 //!  V I - R i^2 = w (J dw/dt + J (c + b w))
@@ -28,11 +28,13 @@ const FLOOR: f64 = 0.05;
 /// Error that is left of the current channel's zero, A.
 const ZERO: f64 = 1e-3;
 
-/// Inertia, kg m2, and its relative uncertainty.
+/// Inertia, kg m2, with its relative uncertainty, and the torque constant as the driven motor shows it,
+/// V s/rad: `(V D - R i) / w` at the end of the record. It is high by what commutation drops.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inertia {
     pub(super) value: f64,
     pub(super) uncertainty: f64,
+    pub(super) torque_constant: f64,
 }
 
 /// Inertia of a record of speed, bus voltage, duty and current of one period, kg m2;
@@ -77,5 +79,12 @@ pub(super) fn inertia(
     // The heat is known to a fifth, with what commutation adds, and friction as the coasting rotor shows it.
     let off = FLOOR + (0.2 * lost + unsure) / fmax(energy - lost, 1e-9);
     let uncertainty = off + coast.error * friction / (kinetic + friction);
-    (value.is_finite() && value > 0.0).then_some(Inertia { value, uncertainty })
+    let (mut back_emf, mut turned) = (0.0, 0.0);
+    for [rpm, voltage, duty, current] in record.rows::<4>().rev().take(ENDS) {
+        let duty = fmax(duty / 100.0 - winding.lost, 0.01);
+        back_emf += voltage * duty - winding.resistance * (current - zero) / duty;
+        turned += fabs(rpm) * TAU / 60.0;
+    }
+    let torque_constant = back_emf / turned;
+    (value.is_finite() && value > 0.0).then_some(Inertia { value, uncertainty, torque_constant })
 }

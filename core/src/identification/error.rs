@@ -106,7 +106,7 @@ impl fmt::Display for IdentificationError {
             }
             Self::NoMotor { duty } => write!(
                 f,
-                "no current flows at a duty of {} %: is a motor connected, with all its phases?",
+                "no current is seen at a duty of {} %: is a motor connected, with all its phases? A winding of too high a resistance for this supply looks the same",
                 Shown::Rounded(100.0 * duty, 1)
             ),
             Self::Short { resistance } => write!(

@@ -18,12 +18,14 @@
 mod acceleration;
 mod coast;
 mod error;
+mod figures;
 mod fit;
 mod record;
 mod script;
 mod winding;
 
 pub use error::IdentificationError;
+pub use figures::{Asked, Figure, Identified, Stage, Turned};
 
 use crate::commissioning::{self, Commissioning, CommissioningError, Mode, Motor, Nameplate};
 use crate::dictionary::{engineering, number};
@@ -35,117 +37,9 @@ use acceleration::{Inertia, inertia};
 use coast::Coast;
 use core::f64::consts::TAU;
 use heapless::Vec;
-use libm::{fmax, fmin, round, sqrt};
+use libm::{fabs, fmax, fmin, round, sqrt};
 use script::{Action, Script};
 use winding::{Lock, Winding};
-
-/// Facts that the user knows of the motor, and limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
-    /// Pole pairs, 1 to 50.
-    pub pole_pairs: u8,
-    /// Largest phase current, A; without it the one whose heat in the winding is 6 W, 6 A at most.
-    pub current: Option<f64>,
-    /// Resistance of the bridge: two switches, ohm. It is taken off what is measured.
-    pub bridge: f64,
-    /// The motor may turn. If not, resistance and inductance alone are measured.
-    pub turn: bool,
-}
-
-impl Asked {
-    /// A motor with these pole pairs on the bridge of the simulated board.
-    pub fn new(pole_pairs: u8) -> Self {
-        let bridge = f64::from(Board::BENCH.bridge_milliohm) / 1e3;
-        Self { pole_pairs, current: None, bridge, turn: true }
-    }
-}
-
-/// A measured figure.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figure {
-    /// The value.
-    pub value: f64,
-    /// The truth is within this of the value for 95 of 100 motors.
-    pub uncertainty: f64,
-}
-
-/// The measured figures, at the temperature of the motor at that time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Identified {
-    /// Pole pairs, as given.
-    pub pole_pairs: u8,
-    /// Supply voltage, V.
-    pub supply: f64,
-    /// Largest current that was used, A.
-    pub current: f64,
-    /// Line to line, ohm.
-    pub resistance: Figure,
-    /// Line to line, H.
-    pub inductance: Figure,
-    /// Figures of a rotor that has turned; `None` if it was held.
-    pub turned: Option<Turned>,
-}
-
-/// Figures that a rotor shows when it turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Turned {
-    /// Torque constant, N m/A, which is the back-EMF constant, V s/rad.
-    pub torque_constant: Figure,
-    /// Of the rotor and what is coupled to it, kg m2.
-    pub inertia: Figure,
-    /// Friction at `speed`, N m.
-    pub friction: Figure,
-    /// Coulomb friction, N m.
-    pub static_friction: f64,
-    /// Viscous friction, N m s/rad.
-    pub viscous_friction: f64,
-    /// Speed to which `friction` belongs, the largest that was used, rad/s.
-    pub speed: f64,
-}
-
-impl Identified {
-    /// The motor's figures for commissioning; `None` if it was not allowed to turn.
-    pub fn motor(&self) -> Option<Motor> {
-        let turned = self.turned?;
-        Some(Motor {
-            pole_pairs: self.pole_pairs,
-            resistance: self.resistance.value,
-            inductance: self.inductance.value,
-            torque_constant: turned.torque_constant.value,
-            inertia: turned.inertia.value,
-            static_friction: turned.static_friction,
-            viscous_friction: turned.viscous_friction,
-        })
-    }
-}
-
-/// Part of the identification that is under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Reads what the drive is.
-    Asks,
-    /// Holds the rotor: resistance and inductance.
-    Holds,
-    /// Turns the rotor and lets it coast: back-EMF constant.
-    Spins,
-    /// Accelerates it and lets it coast: inertia and friction.
-    Accelerates,
-    /// Stops the motor and restores the parameters.
-    Restores,
-}
-
-impl Stage {
-    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `restoring`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Asks => "asking",
-            Self::Holds => "holding",
-            Self::Spins => "spinning",
-            Self::Accelerates => "accelerating",
-            Self::Restores => "restoring",
-        }
-    }
-}
 
 type Outcome = Result<Identified, IdentificationError>;
 
@@ -222,6 +116,22 @@ const SLOWER: f64 = 3.0;
 /// Most starts that look for that speed.
 const SPINS: u8 = 6;
 
+/// Rows of a lock's record after the stop.
+const AFTER: u16 = 200;
+/// Samples of a third at the speed of the stop.
+const COAST_SAMPLES: f64 = 16.0;
+/// Longest wait for a speed, microseconds.
+const SPIN: u64 = 4_000_000;
+/// A light rotor has slowed down after this time, microseconds.
+const DOWN: u64 = 200_000;
+/// Share by which the bridge's resistance may be off.
+const BRIDGE: f64 = 0.25;
+
+/// Most guesses of a faster motor.
+const GUESSES: usize = 12;
+/// The back-EMF of the coasting motor agrees with that of the driven one within this share.
+const AGREES: f64 = 0.15;
+
 /// Guesses for a motor of 20 to 200 W before anything is known: `k / sqrt(R)`, N m per root watt, and
 /// `J R / k^2`, s. Both are on the safe side: a light rotor gets low gains.
 const MOTOR_CONSTANT: f64 = 0.05;
@@ -279,9 +189,15 @@ impl Identification {
         self.stage
     }
 
-    /// Stops the motor, restores the parameters and ends with [`IdentificationError::Aborted`].
+    /// Returns whether [`step`](Self::step) has returned the result.
+    pub fn has_ended(&self) -> bool {
+        self.stage == Stage::Restores && self.end.is_none()
+    }
+
+    /// Stops the motor, restores the parameters and ends with [`IdentificationError::Aborted`]. One that is
+    /// ending goes on as it does.
     pub fn abort(&mut self, master: &mut Master) {
-        if self.end.is_none() {
+        if self.stage != Stage::Restores {
             self.finish(master, Err(IdentificationError::Aborted));
         }
     }
@@ -295,15 +211,16 @@ impl Identification {
             match self.script.step(master, now) {
                 Ok(true) => {}
                 Ok(false) => return None,
-                Err(IdentificationError::Request(_, RequestError::NoAnswer))
+                Err(error @ IdentificationError::Request(_, RequestError::NoAnswer))
                     if self.stage == Stage::Restores =>
                 {
+                    self.report(error);
                     self.script.drop_all(master);
                     continue;
                 }
-                Err(_) if self.stage == Stage::Restores => {
-                    // What cannot be restored cannot be restored; the first error counts.
-                    self.script.skip();
+                Err(error) if self.stage == Stage::Restores => {
+                    // The other parameters are restored all the same.
+                    self.report(error);
                     continue;
                 }
                 Err(error @ IdentificationError::Job(job))
@@ -340,6 +257,13 @@ impl Identification {
             if let Err(error) = self.plan(master) {
                 self.finish(master, Err(error));
             }
+        }
+    }
+
+    /// The drive is not as it was: that is an error, unless there was one before.
+    fn report(&mut self, error: IdentificationError) {
+        if let Some(Ok(_)) = self.end {
+            self.end = Some(Err(error));
         }
     }
 
@@ -433,25 +357,22 @@ impl Identification {
             return self.stronger();
         };
         if self.locks.is_empty() {
-            // A supply of 18 V may read a little less.
-            self.found.supply =
-                if lock.voltage > 0.99 * LEAST { fmax(lock.voltage, LEAST) } else { lock.voltage };
+            self.found.supply = lock.voltage;
+        }
+        // Against the noise of the mean over the record.
+        if lock.current <= 5.0 * lock.noise / sqrt(f64::from(self.held_rows())) {
+            return self.stronger();
         }
         // Current of the phases as far as it is known without the dead time.
-        let phase = fmax(lock.current, 0.0) / lock.duty;
-        let power = fmax(lock.voltage * lock.current, 1e-9);
-        // Noise of the mean over the record.
-        let sees = lock.current > 5.0 * lock.noise / sqrt(f64::from(self.held_rows()));
+        let phase = lock.current / lock.duty;
+        let power = lock.voltage * lock.current;
         let limit = self.asked.current.unwrap_or(CONTINUOUS);
         // The energy that a level returns to the bus grows with its square.
         let square = |volts: f64| volts * volts;
         let rise = fmax(square(lock.raised) - square(lock.voltage), square(0.02) * lock.voltage);
         let left = fmax(square(self.found.bus_max - BELOW_TRIP) - square(lock.voltage), 0.0);
         let heat = if self.asked.current.is_none() { HEAT / power } else { f64::INFINITY };
-        let room = STRONG * fmin(limit / fmax(phase, 1e-9), sqrt(fmin(heat, left / rise)));
-        if !sees {
-            return self.stronger();
-        }
+        let room = STRONG * fmin(limit / phase, sqrt(fmin(heat, left / rise)));
         if self.locks.push(lock).is_err() {
             return Err(IdentificationError::Unsteady(self.stage));
         }
@@ -524,14 +445,21 @@ impl Identification {
         let mut plate = Nameplate {
             motor: self.motor(),
             rated_current: Some(self.found.current),
-            supply: self.found.supply,
+            // A supply of 18 V may read a little less.
+            supply: if self.found.supply > 0.99 * LEAST {
+                fmax(self.found.supply, LEAST)
+            } else {
+                self.found.supply
+            },
             open_loop_speed: None,
         };
         let mut commissioning = plate.commission_on(&board, Mode::Sensorless, None);
-        while unknown && let Err(CommissioningError::TooSlow { .. }) = commissioning {
-            // It was guessed too slow.
-            plate.motor.torque_constant *= 0.7;
-            commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+        for _ in 0..GUESSES {
+            if unknown && matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
+                // It was guessed too slow.
+                plate.motor.torque_constant *= 0.7;
+                commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+            }
         }
         let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;
         // The identification turns as slowly as the motor needs, and knows no fastest speed before it is
@@ -652,16 +580,23 @@ impl Identification {
             1 | 3 => {
                 let rising = inertia(&self.script.record, &winding, &coast, self.found.zero, poles, period)
                     .ok_or(IdentificationError::Unsteady(self.stage))?;
+                // Two ways to the same constant: what was recorded fits a motor if they agree.
                 self.found.inertia = Some(rising);
+                if !self.agrees(self.found.torque_constant.0) {
+                    return Err(IdentificationError::Unsteady(self.stage));
+                }
                 // From here the rotor coasts.
                 self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
                 self.coast();
                 Ok(())
             }
             _ => {
-                if let Some(coast) = Coast::of(&self.script.record) {
-                    let k = coast.torque_constant(poles);
-                    (self.found.coast, self.found.torque_constant) = (Some(coast), k);
+                // A record that shows too little of the rotor leaves what the one before has shown.
+                if let Some(coast) = Coast::of(&self.script.record)
+                    && self.agrees(coast.torque_constant(poles).0)
+                {
+                    (self.found.coast, self.found.torque_constant) =
+                        (Some(coast), coast.torque_constant(poles));
                 }
                 if self.round == 2 {
                     return self.accelerate(self.found.speed);
@@ -670,6 +605,13 @@ impl Identification {
                 Ok(())
             }
         }
+    }
+
+    /// This torque constant agrees with the back-EMF of the driven motor.
+    fn agrees(&self, torque_constant: f64) -> bool {
+        self.found
+            .inertia
+            .is_some_and(|seen| fabs(torque_constant - seen.torque_constant) <= AGREES * seen.torque_constant)
     }
 
     /// The result, from everything that was found.
@@ -704,7 +646,8 @@ impl Identification {
             inertia: Figure { value: inertia.value, uncertainty: uncertain * inertia.value },
             friction: Figure {
                 value: friction,
-                uncertainty: sqrt(uncertain * uncertain + 4.0 * coast.error * coast.error) * friction,
+                // Three standard errors: those of neighbouring thirds are not independent.
+                uncertainty: sqrt(uncertain * uncertain + 9.0 * coast.error * coast.error) * friction,
             },
             static_friction: motor.static_friction,
             viscous_friction: motor.viscous_friction,
@@ -716,14 +659,3 @@ impl Identification {
 fn is_open_phase(error: &JobError) -> bool {
     matches!(error, JobError::Fault { code, .. } if *code == Cause::OpenPhase as u16)
 }
-
-/// Rows of a lock's record after the stop.
-const AFTER: u16 = 200;
-/// Samples of a third at the speed of the stop.
-const COAST_SAMPLES: f64 = 16.0;
-/// Longest wait for a speed, microseconds.
-const SPIN: u64 = 4_000_000;
-/// A light rotor has slowed down after this time, microseconds.
-const DOWN: u64 = 200_000;
-/// Share by which the bridge's resistance may be off.
-const BRIDGE: f64 = 0.25;

@@ -2,6 +2,7 @@
 
 use super::record::{Record, channels};
 use super::{IdentificationError, MARGIN, PATIENCE};
+use crate::commissioning::WRITTEN;
 use crate::dictionary::number;
 use crate::master::{CriticalFault, Download, Job, JobError, Master, Received, Request, ScopeSetup};
 use crate::motor::State;
@@ -68,10 +69,14 @@ impl Action {
     }
 }
 
+/// Longest script: a commissioning with a run, or every parameter that was written.
+const ACTIONS: usize = 64;
+const _: () = assert!(WRITTEN.len() + 24 <= ACTIONS);
+
 /// The actions to come.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Script {
-    actions: Deque<Action, 64>,
+    actions: Deque<Action, ACTIONS>,
     /// The action under way, and when it began.
     under_way: Option<(Action, u64)>,
     /// Its value is being read before it is written.
@@ -82,7 +87,7 @@ pub(super) struct Script {
     /// Since when the speed is near the set-point.
     near: Option<u64>,
     /// Parameters that were written, and their values before.
-    originals: Vec<(u16, i32), 64>,
+    originals: Vec<(u16, i32), ACTIONS>,
     answers: Vec<i32, 4>,
     /// The last record.
     pub(super) record: Record,
@@ -94,7 +99,7 @@ type Done = Result<bool, IdentificationError>;
 impl Script {
     pub(super) fn add<const N: usize>(&mut self, actions: [Action; N]) {
         for action in actions {
-            // Room for the longest: a commissioning and a run.
+            // There is room (`ACTIONS`).
             let _ = self.actions.push_back(action);
         }
     }
@@ -102,6 +107,8 @@ impl Script {
     /// Drops everything: the motor stops, and a fault is acknowledged.
     pub(super) fn give_up(&mut self, master: &mut Master) {
         self.drop_all(master);
+        // At once, even if an answer is still waited for.
+        master.stop();
         self.add([Action::Stop, Action::Wait(REST_AFTER_FAULT)]);
     }
 
@@ -121,11 +128,6 @@ impl Script {
             }
             _ => {}
         }
-    }
-
-    /// Gives up the action under way.
-    pub(super) fn skip(&mut self) {
-        self.under_way = None;
     }
 
     /// The values that were read.
@@ -154,8 +156,8 @@ impl Script {
         loop {
             if self.under_way.is_none() {
                 let Some(action) = self.actions.pop_front() else { return Ok(true) };
-                self.under_way = Some((action, now));
                 self.begin(action, master)?;
+                self.under_way = Some((action, now));
             }
             let Some((action, since)) = self.under_way else { continue };
             let done = self.is_done(action, master, now, now.saturating_sub(since));
