@@ -1,0 +1,112 @@
+//! The question that is put to a drive, and the figures that it answers with.
+
+use crate::commissioning::Motor;
+use crate::motor::Board;
+
+/// Facts that the user knows of the motor, and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Pole pairs, 1 to 50.
+    pub pole_pairs: u8,
+    /// Largest phase current, A; without it the one whose heat in the winding is 6 W, 6 A at most.
+    pub current: Option<f64>,
+    /// Resistance of the bridge: two switches, ohm. It is taken off what is measured.
+    pub bridge: f64,
+    /// The motor may turn. If not, resistance and inductance alone are measured.
+    pub turn: bool,
+}
+
+impl Asked {
+    /// A motor with these pole pairs on the bridge of the simulated board.
+    pub fn new(pole_pairs: u8) -> Self {
+        let bridge = f64::from(Board::BENCH.bridge_milliohm) / 1e3;
+        Self { pole_pairs, current: None, bridge, turn: true }
+    }
+}
+
+/// A measured figure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// The value.
+    pub value: f64,
+    /// The truth is within this of the value for about 95 of 100 motors.
+    pub uncertainty: f64,
+}
+
+/// The measured figures, at the temperature of the motor at that time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Identified {
+    /// Pole pairs, as given.
+    pub pole_pairs: u8,
+    /// Bus voltage without load, V.
+    pub supply: f64,
+    /// Largest phase current of the identification: the given one, or what the heat allows, A.
+    pub current: f64,
+    /// Line to line, ohm.
+    pub resistance: Figure,
+    /// Line to line, H.
+    pub inductance: Figure,
+    /// Figures of a rotor that has turned; `None` if it was held.
+    pub turned: Option<Turned>,
+}
+
+/// Figures that a rotor shows when it turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turned {
+    /// Torque constant, N m/A, which is the back-EMF constant, V s/rad.
+    pub torque_constant: Figure,
+    /// Of the rotor and what is coupled to it, kg m2.
+    pub inertia: Figure,
+    /// Friction at `speed`, N m.
+    pub friction: Figure,
+    /// Coulomb friction, N m.
+    pub static_friction: f64,
+    /// Viscous friction, N m s/rad.
+    pub viscous_friction: f64,
+    /// Speed to which `friction` belongs, the largest that was used, rad/s.
+    pub speed: f64,
+}
+
+impl Identified {
+    /// The motor's figures for commissioning; `None` if it was not allowed to turn.
+    pub fn motor(&self) -> Option<Motor> {
+        let turned = self.turned?;
+        Some(Motor {
+            pole_pairs: self.pole_pairs,
+            resistance: self.resistance.value,
+            inductance: self.inductance.value,
+            torque_constant: turned.torque_constant.value,
+            inertia: turned.inertia.value,
+            static_friction: turned.static_friction,
+            viscous_friction: turned.viscous_friction,
+        })
+    }
+}
+
+/// Part of the identification that is under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Reads what the drive is.
+    Asks,
+    /// Holds the rotor: resistance and inductance.
+    Holds,
+    /// Turns the rotor and lets it coast: back-EMF constant.
+    Spins,
+    /// Accelerates it and lets it coast: inertia and friction.
+    Accelerates,
+    /// Stops the motor and restores the parameters.
+    Restores,
+}
+
+impl Stage {
+    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `restoring`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Asks => "asking",
+            Self::Holds => "holding",
+            Self::Spins => "spinning",
+            Self::Accelerates => "accelerating",
+            Self::Restores => "restoring",
+        }
+    }
+}
