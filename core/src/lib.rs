@@ -39,7 +39,7 @@
 //! `log`, `scope` and its `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is
 //! left out is refused. Two more are off by default: `update` (programming over CAN) and `code-flash`
 //! (parameters in the flash that the code runs from). Two more are not for a drive: `engineering` (parameters
-//! in their units, as floating-point numbers; `initialiser`, `commissioning` and `identification`) and `blind`
+//! in their units, as floating-point numbers; `initialiser`, `commissioning`, `identification`) and `blind`
 //! (for checking the tests).
 #![no_std]
 #![forbid(unsafe_code)]

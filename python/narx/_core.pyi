@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 __version__: str
 
 __all__ = [
-    "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Plant", "Ramp",
+    "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Identification", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Plant", "Ramp",
     "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
     "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "number", "parameter_number",
     "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml", "__version__",
