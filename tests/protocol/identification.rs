@@ -70,7 +70,9 @@ fn a_motor_without_a_data_sheet_is_measured() {
     let turned = found.turned.unwrap();
     within(found.resistance, truth.resistance, 0.03);
     within(found.inductance, truth.inductance, 0.10);
-    within(turned.torque_constant, truth.torque_constant, 0.02);
+    // Magnets weaken as they warm. Without the part that the diodes hide it would be 1 % less.
+    let warm = 1.0 + truth.magnet_drift * (rig.bench.plant().winding_temperature() - 25.0);
+    within(turned.torque_constant, truth.torque_constant * warm, 0.007);
     within(turned.inertia, truth.inertia, 0.10);
     within(turned.friction, truth.static_friction + truth.viscous_friction * turned.speed, 0.10);
     assert!((17.8..=18.0).contains(&found.supply), "{}", found.supply);

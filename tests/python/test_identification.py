@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
@@ -69,7 +70,8 @@ def test_a_motor_that_runs_is_left_alone() -> None:
 
 def test_what_is_wrong_has_a_name() -> None:
     bench = narx.Bench(NAME, recording=False)
-    for phase in "ABC":
+    phases: list[Literal["A", "B", "C"]] = ["A", "B", "C"]
+    for phase in phases:
         bench.inject("open-phase", phase=phase)
     with pytest.raises(narx.StartError, match="is a motor connected"):
         bench.drive.identify(8)
