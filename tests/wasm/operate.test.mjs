@@ -44,7 +44,7 @@ test("the set-point changes while the motor turns, by keyboard, and the directio
     await reaches(page, -2000, 40);
     await page.locator("#slider").focus();
     await page.keyboard.press("ArrowRight");
-    assert.equal(await page.locator("#setpoint").inputValue(), "2010");
+    await page.waitForFunction(() => document.querySelector("#setpoint").value === "2010");
     await page.locator("#setpoint").fill("1500");
     await page.locator("#setpoint").press("Enter");
     await reaches(page, -1500, 30);
