@@ -23,6 +23,9 @@ const ENDS: usize = 24;
 /// Least rise of the speed, as a share of the speed at its end.
 const LEAST: f64 = 0.2;
 
+/// The filter of the bus current shows it so much later, s.
+const FILTER: f64 = 6.4e-3;
+
 /// Relative uncertainty of the inertia at best.
 const FLOOR: f64 = 0.05;
 /// Error that is left of the current channel's zero, A.
@@ -37,7 +40,7 @@ pub(super) struct Inertia {
     pub(super) torque_constant: f64,
 }
 
-/// Inertia of a record of speed, bus voltage, duty and current of one period, kg m2;
+/// Inertia of a record of speed, bus voltage, bus current and duty, kg m2;
 /// `None` if the speed hardly rises. zero: what the current channel reads without a current, A. pole_pairs,
 /// and the PWM period in s.
 pub(super) fn inertia(
@@ -60,7 +63,10 @@ pub(super) fn inertia(
     let last = rows().position(|speed| speed > begin + TO * rise)?;
     let (mut energy, mut lost, mut friction, mut unsure) = (0.0, 0.0, 0.0, 0.0);
     let (c, b) = (coast.friction.0 / pole_pairs, coast.friction.1);
-    for [rpm, voltage, duty, current] in record.rows::<4>().skip(first).take(last.checked_sub(first)?) {
+    let late = libm::round(FILTER / record.interval) as usize;
+    let currents = record.rows::<4>().map(|[_, _, current, _]| current).skip(first + late);
+    let driven = record.rows::<4>().skip(first).take(last.checked_sub(first)?);
+    for ([rpm, voltage, _, duty], current) in driven.zip(currents) {
         let speed = fabs(rpm) * TAU / 60.0;
         let duty = fmax(duty / 100.0 - winding.lost, 0.01);
         let current = current - zero;
@@ -80,7 +86,7 @@ pub(super) fn inertia(
     let off = FLOOR + (0.2 * lost + unsure) / fmax(energy - lost, 1e-9);
     let uncertainty = off + coast.error * friction / (kinetic + friction);
     let (mut back_emf, mut turned) = (0.0, 0.0);
-    for [rpm, voltage, duty, current] in record.rows::<4>().rev().take(ENDS) {
+    for [rpm, voltage, current, duty] in record.rows::<4>().rev().take(ENDS) {
         let duty = fmax(duty / 100.0 - winding.lost, 0.01);
         back_emf += voltage * duty - winding.resistance * (current - zero) / duty;
         turned += fabs(rpm) * TAU / 60.0;

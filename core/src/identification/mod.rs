@@ -39,7 +39,7 @@ use core::f64::consts::TAU;
 use heapless::Vec;
 use libm::{fabs, fmax, fmin, round, sqrt};
 use script::{Action, Script};
-use winding::{Lock, Winding};
+use winding::{Lock, OFF_TIME, ON_TIME, Winding};
 
 type Outcome = Result<Identified, IdentificationError>;
 
@@ -58,6 +58,8 @@ pub struct Identification {
     round: u8,
     /// A fault is being acknowledged before another try.
     retries: bool,
+    /// Tries of an acceleration that have failed.
+    failed: usize,
     /// The last start of this stage that has failed.
     last: Option<IdentificationError>,
     /// Kept while the motor stops and the parameters are restored.
@@ -98,9 +100,9 @@ const LEAST: f64 = *commissioning::SUPPLY.start();
 const STRONG: f64 = 0.85;
 /// The bus stays this much below the voltage at which the drive trips, V.
 const BELOW_TRIP: f64 = 0.3;
-/// Duty of the first level, and the largest: the bridge must not go off within a pulse.
+/// Duty of the first level, and the largest.
 const FIRST_DUTY: f64 = 0.01;
-const LARGEST_DUTY: f64 = 0.2;
+const LARGEST_DUTY: f64 = 0.6;
 /// A rotor that is held has come to rest after this time, microseconds.
 const REST: u64 = 350_000;
 /// Time for the last of a record, and for its answer, microseconds.
@@ -135,13 +137,13 @@ const AGREES: f64 = 0.15;
 /// Guesses for a motor of 20 to 200 W before anything is known: `k / sqrt(R)`, N m per root watt, and
 /// `J R / k^2`, s. Both are on the safe side: a light rotor gets low gains.
 const MOTOR_CONSTANT: f64 = 0.05;
-const MECHANICAL_TIME: f64 = 8e-3;
+const MECHANICAL_TIME: [f64; 4] = [8e-3, 24e-3, 4e-3, 60e-3];
 
 /// Signals of a lock, of a coasting rotor and of an acceleration, in the order of their bits.
 const HELD: [Signal; 3] = [Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
 const TERMINALS: [Signal; 3] = [Signal::TerminalA, Signal::TerminalB, Signal::TerminalC];
 const DRIVEN: [Signal; 4] =
-    [Signal::SpeedSensorless, Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
+    [Signal::SpeedSensorless, Signal::BusVoltage, Signal::BusCurrent, Signal::Duty];
 
 impl Identification {
     /// An identification that begins with the first [`step`](Self::step). The drive must be in Standby, with
@@ -179,6 +181,7 @@ impl Identification {
             level: 0.0,
             round: 0,
             retries: false,
+            failed: 0,
             last: None,
             end: None,
         })
@@ -246,7 +249,7 @@ impl Identification {
                     continue;
                 }
                 Err(error) => {
-                    self.finish(master, Err(error));
+                    self.retry_or_finish(master, error);
                     continue;
                 }
             }
@@ -255,9 +258,22 @@ impl Identification {
             }
             self.retries = false;
             if let Err(error) = self.plan(master) {
-                self.finish(master, Err(error));
+                self.retry_or_finish(master, error);
             }
         }
+    }
+
+    /// An acceleration that has failed is tried again with another guess of the inertia.
+    fn retry_or_finish(&mut self, master: &mut Master, error: IdentificationError) {
+        let again = self.stage == Stage::Accelerates
+            && self.failed + 1 < MECHANICAL_TIME.len()
+            && matches!(error, IdentificationError::Job(_) | IdentificationError::Unsteady(_));
+        if !again {
+            return self.finish(master, Err(error));
+        }
+        self.failed += 1;
+        (self.round, self.found.inertia) = (0, None);
+        self.script.give_up(master);
     }
 
     /// The drive is not as it was: that is an error, unless there was one before.
@@ -377,12 +393,12 @@ impl Identification {
             return Err(IdentificationError::Unsteady(self.stage));
         }
         let duty = lock.level;
-        let strongest = room < 1.15 || duty >= 0.99 * LARGEST_DUTY;
-        if !strongest {
-            return self.hold(fmin(duty * fmin(room, 3.0), LARGEST_DUTY));
+        let next = level(duty * fmin(room, 3.0));
+        if next > 1.15 * duty {
+            return self.hold(next);
         }
         if self.locks.len() < 3 {
-            return self.hold(0.6 * duty);
+            return self.hold(level(0.6 * duty));
         }
         self.winding(master, fmin(limit, phase / STRONG))
     }
@@ -392,7 +408,7 @@ impl Identification {
         if self.level >= 0.99 * LARGEST_DUTY {
             return Err(IdentificationError::NoMotor { duty: self.level });
         }
-        self.hold(fmin(2.0 * self.level, LARGEST_DUTY))
+        self.hold(level(2.0 * self.level))
     }
 
     /// R and L are there.
@@ -424,7 +440,8 @@ impl Identification {
         let total = self.found.winding.map_or(1.0, |winding| winding.resistance);
         let (k, _) = self.found.torque_constant;
         let k = if k > 0.0 { k } else { MOTOR_CONSTANT * sqrt(total) };
-        let inertia = self.found.inertia.map_or(MECHANICAL_TIME * k * k / total, |inertia| inertia.value);
+        let guess = MECHANICAL_TIME[self.failed.min(MECHANICAL_TIME.len() - 1)] * k * k / total;
+        let inertia = self.found.inertia.map_or(guess, |inertia| inertia.value);
         let friction = self.found.coast.map_or((0.0, 0.0), |coast| coast.friction);
         Motor {
             pole_pairs: self.asked.pole_pairs,
@@ -455,24 +472,29 @@ impl Identification {
         };
         let mut commissioning = plate.commission_on(&board, Mode::Sensorless, None);
         for _ in 0..GUESSES {
-            if unknown && matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
-                // It was guessed too slow.
-                plate.motor.torque_constant *= 0.7;
+            if matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
+                if unknown {
+                    // It was guessed too slow.
+                    plate.motor.torque_constant *= 0.7;
+                } else {
+                    // It turns faster with less torque.
+                    plate.rated_current = plate.rated_current.map(|current| current / 2.0);
+                }
                 commissioning = plate.commission_on(&board, Mode::Sensorless, None);
             }
         }
         let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;
-        // The identification turns as slowly as the motor needs, and knows no fastest speed before it is
-        // measured.
-        let fastest = f64::from(rate) * 60.0 / (6.0 * 4.0 * f64::from(self.asked.pole_pairs));
+        // The identification turns as slowly as the motor needs. It knows no fastest speed before that is
+        // measured, and the drive gets none: a light rotor leaps when its start ends.
+        let fastest = fmin(f64::from(rate) * 60.0 / (6.0 * 4.0 * f64::from(self.asked.pole_pairs)), 30_000.0);
         commissioning.speed_min /= SLOWER;
         if unknown {
-            commissioning.speed_max = fmin(fastest, 30_000.0);
+            commissioning.speed_max = fastest;
         }
         let parameters = &mut commissioning.parameters;
         let limits = [
             (number::SPEED_MIN_SL, commissioning.speed_min),
-            (number::SPEED_MAX_SL, commissioning.speed_max),
+            (number::SPEED_MAX_SL, fastest),
         ];
         for (number, value) in limits {
             engineering::set(parameters, number, value).map_err(IdentificationError::Value)?;
@@ -538,7 +560,8 @@ impl Identification {
             self.script.drop_all(master);
         }
         (self.found.coast, self.stage, self.round) = (Some(coast), Stage::Accelerates, 0);
-        self.accelerate(fmin(fmax(before, 1.0), most))
+        self.found.speed = fmin(fmax(before, 1.0), most);
+        Ok(())
     }
 
     /// A step of the speed up to `rpm`, recorded; then a coasting rotor, recorded.
@@ -577,7 +600,8 @@ impl Identification {
             return Err(IdentificationError::Unsteady(self.stage));
         };
         match self.round {
-            1 | 3 => {
+            1 => self.accelerate(self.found.speed),
+            2 | 4 => {
                 let rising = inertia(&self.script.record, &winding, &coast, self.found.zero, poles, period)
                     .ok_or(IdentificationError::Unsteady(self.stage))?;
                 // Two ways to the same constant: what was recorded fits a motor if they agree.
@@ -598,7 +622,7 @@ impl Identification {
                     (self.found.coast, self.found.torque_constant) =
                         (Some(coast), coast.torque_constant(poles));
                 }
-                if self.round == 2 {
+                if self.round == 3 {
                     return self.accelerate(self.found.speed);
                 }
                 self.finish(master, Ok(self.identified(&winding)));
@@ -654,6 +678,11 @@ impl Identification {
             speed,
         })
     }
+}
+
+/// The largest level up to this duty at which it is known when the drive reads the current.
+fn level(duty: f64) -> f64 {
+    if (OFF_TIME..ON_TIME).contains(&duty) { OFF_TIME } else { fmin(duty, LARGEST_DUTY) }
 }
 
 fn is_open_phase(error: &JobError) -> bool {

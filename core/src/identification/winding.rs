@@ -21,6 +21,9 @@ const DIODE: f64 = 0.8;
 const SETTLE: f64 = 3e-6;
 /// Share of the period from which the drive's answer acts.
 const EARLIEST: f64 = 0.125;
+/// Up to this duty the drive reads the current after the pulse, from the other one on in its middle.
+pub(super) const OFF_TIME: f64 = 0.19;
+pub(super) const ON_TIME: f64 = 0.27;
 
 /// One level: the rotor held, then let go.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +38,7 @@ pub(super) struct Lock {
     pub(super) current: f64,
     /// Bus voltage after the charge has returned, V.
     pub(super) raised: f64,
-    /// Charge that returned, A times the period.
+    /// Charge that returned after the last reading of a pulse, A times the period.
     charge: f64,
     /// Reading of the current channel without a current, A.
     pub(super) zero: f64,
@@ -75,18 +78,18 @@ impl Lock {
             rows().take(held).map(|[_, _, i]| (i - held_current) * (i - held_current)).sum::<f64>() / count,
         );
         let duty = duty / 100.0;
-        // A reading is the mean since the reading before. The last of the pulses was read after the pulse,
-        // the next one early in its period.
+        // A reading is the mean since the reading before. The last of the pulses was read after the pulse or
+        // in its middle, the next one early in its period.
         let off = rows().take(before + 4).position(|[_, duty, _]| duty == 0.0)?;
         let raised =
             rows().skip(off + 2).take(RAISED).map(|[voltage, ..]| voltage).sum::<f64>() / RAISED as f64;
         let mut charge = 0.0;
         for (at, [_, _, current]) in rows().enumerate().skip(off + 1) {
-            let returned = zero - current;
-            if returned < CLEAR * noise {
+            let (returned, first) = (zero - current, at == off + 1);
+            if returned < CLEAR * noise && !first {
                 break;
             }
-            charge += returned * if at == off + 1 { 1.0 - duty / 2.0 } else { 1.0 };
+            charge += returned * if first && level <= OFF_TIME { 1.0 - duty / 2.0 } else { 1.0 };
         }
         Some(Self { level, duty, voltage, current: held_current - zero, zero, raised, charge, noise })
     }
@@ -121,6 +124,21 @@ impl Pulses {
     /// Current at the end of a pulse, in V / R.
     fn crest(self) -> f64 {
         (1.0 - exp(-self.duty * self.length)) / (1.0 - exp(-self.length))
+    }
+
+    /// Current within a pulse, after `share` of the period, in V / R.
+    fn rising(self, share: f64) -> f64 {
+        1.0 - (1.0 - self.trough()) * exp(-share * self.length)
+    }
+
+    /// Charge that flows from `begin` to `end` of a pulse, shares of the period, in V / R times the period.
+    fn flows(self, begin: f64, end: f64) -> f64 {
+        end - begin - (self.rising(end) - self.rising(begin)) / self.length
+    }
+
+    /// Current at the beginning of a pulse, in V / R.
+    fn trough(self) -> f64 {
+        self.crest() * exp(-(1.0 - self.duty) * self.length)
     }
 }
 
@@ -198,16 +216,24 @@ fn inductance(locks: &[Lock], winding: &Winding, period: f64) -> Option<f64> {
     Some(low)
 }
 
-/// Charge that returns to the bus, As: `L di/dt = -(V + 2 Vd + R i)` from the current at the stop to 0.
+/// Charge that returns to the bus after the last reading of a pulse, As: `L di/dt = -(V + 2 Vd + R i)` from
+/// the current at the stop to 0.
 fn charge(lock: &Lock, winding: &Winding, inductance: f64, period: f64) -> f64 {
     let r = winding.resistance;
     let constant = inductance / r;
-    let duty = fmax(lock.duty - winding.lost, 0.0);
-    let crest = lock.voltage / r * Pulses { duty, length: period / constant }.crest();
-    // The pulse is centred on the period's boundary; then the current circulates until the bridge goes off.
-    let stop = fmax(lock.duty / 2.0 * period + SETTLE, EARLIEST * period);
-    let current = crest * exp(-(stop - duty / 2.0 * period) / constant);
+    let pulses = Pulses { duty: fmax(lock.duty - winding.lost, 0.0), length: period / constant };
+    let full = lock.voltage / r;
+    // The pulse is centred on the period's boundary. Read in its middle, it goes on until the bridge goes
+    // off; read after it, the current circulates until then.
+    let (current, flowed) = if lock.level > OFF_TIME {
+        let middle = pulses.duty / 2.0;
+        let stop = fmin(middle + EARLIEST, pulses.duty);
+        (full * pulses.rising(stop), full * pulses.flows(middle, stop) * period)
+    } else {
+        let stop = fmax(lock.duty / 2.0 * period + SETTLE, EARLIEST * period);
+        (full * pulses.crest() * exp(-(stop - pulses.duty / 2.0 * period) / constant), 0.0)
+    };
     let against = (lock.voltage + lock.raised) / 2.0 + 2.0 * DIODE;
     let time = constant * log(1.0 + current * r / against);
-    (inductance * current - against * time) / r
+    (inductance * current - against * time) / r - flowed
 }
