@@ -11,7 +11,7 @@ True
 """
 
 from narx import blocks, experiments
-from narx._core import Load, Motor, NodeState, OperatingRange, Plant, State, __version__, coefficients, dbc, eds, xml
+from narx._core import COMMISSIONED, Load, Motor, NodeState, OperatingRange, Plant, SpeedLoop, State, __version__, coefficients, dbc, eds, xml
 from narx.async_drive import AsyncDrive, AsyncPart, connect_async
 from narx.bench import Bench, RunInterrupted
 from narx.bridge import Bridge
@@ -48,6 +48,7 @@ from narx.tx_driver import Reading, TxDriver
 from narx.variants import Variant
 
 __all__ = [
+    "COMMISSIONED",
     "AbortError",
     "AsyncDrive",
     "AsyncPart",
@@ -92,6 +93,7 @@ __all__ = [
     "ScopeState",
     "Series",
     "SignalError",
+    "SpeedLoop",
     "SpeedWarning",
     "StartError",
     "State",

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+COMMISSIONED: tuple[str, ...]
 
 __all__ = [
     "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Identification", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Plant", "Ramp",
-    "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
+    "Server", "SpeedLoop", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "coefficients", "dbc", "decode", "decode_node", "eds",
     "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "number", "parameter_number",
-    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml", "__version__",
+    "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "whole_number", "xml", "COMMISSIONED", "__version__",
 ]  # fmt: skip
 
 _Given = Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None
@@ -403,6 +404,7 @@ class Motor:
         mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
         pwm_rate: int = 10000,
     ) -> OperatingRange: ...
+    def speed_loop(self, speed_min: float, bandwidth: float | None = None) -> SpeedLoop: ...
     @property
     def name(self) -> str | None: ...
     @property
@@ -435,6 +437,17 @@ class Motor:
     def max_winding_temperature(self) -> float: ...
     @property
     def nominal_voltage(self) -> float | None: ...
+
+@final
+class SpeedLoop:
+    @property
+    def bandwidth(self) -> float: ...
+    @property
+    def phase_margin(self) -> float: ...
+    @property
+    def speed_min(self) -> float: ...
+    @property
+    def parameters(self) -> dict[str, float]: ...
 
 @final
 class OperatingRange:

@@ -27,7 +27,7 @@ class Bench:
     calls give the same bits.
 
     The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. motor: a
-    `narx.Motor`, or the name of a preset. supply_voltage: V; without it a preset that is given by name has its
+    `narx.Motor`, the name of a preset, or a file of figures (.toml). supply_voltage: V; without it a preset that is given by name has its
     nominal one, and any other motor 48 V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive
     by name or number, in their units; they override those of commissioning. ambient: -55 to 250 degrees
     Celsius. seed: of all noise.
@@ -37,7 +37,7 @@ class Bench:
 
     def __init__(
         self,
-        motor: Motor | str,
+        motor: Motor | str | PathLike[str],
         supply_voltage: float | None = None,
         load: Load | None = None,
         mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",

@@ -248,7 +248,8 @@ def frequency_response(
     to 0.2; less where the drive's ramp (parameter 99) could not follow.
 
     Columns: "frequency" (Hz); "gain" and "phase" (degrees), closed loop, of the speed against the set-point behind
-    the drive's ramp; "loop_gain" and "loop_phase" (degrees), open loop, that is closed / (1 - closed). Figures:
+    the drive's ramp; "loop_gain" and "loop_phase" (degrees), open loop: closed / (1 - closed) of the speed that the
+    drive measures, which comes later than the true one. Figures:
     "bandwidth" (Hz, closed-loop gain of -3 dB), "crossover" (Hz, loop gain of 1), "phase_margin" (degrees); NaN
     where the frequencies do not contain it. Raises RefusedError for a bench whose motor does not run,
     ParameterError for a frequency or amplitude out of range.
@@ -264,12 +265,13 @@ def frequency_response(
     def measure(variant: Variant) -> dict[str, Any]:
         frequency = float(variant["frequency"])
         swing = min(amplitude * abs(setpoint), 0.5 * rate / (2.0 * np.pi * frequency))
-        closed = closed_loop(base.copy(), abs(setpoint), swing, frequency)
-        return {"real": closed.real, "imaginary": closed.imag}
+        true, measured = closed_loop(base.copy(), abs(setpoint), swing, frequency)
+        return {"real": true.real, "imaginary": true.imag, "measured_real": measured.real, "measured_imaginary": measured.imag}
 
     columns = columns_of(sweep(measure, grid={"frequency": chosen}, progress=progress))
     closed = columns["real"] + 1j * columns["imaginary"]
-    loop = closed / (1.0 - closed)
+    measured = columns["measured_real"] + 1j * columns["measured_imaginary"]
+    loop = measured / (1.0 - measured)
     phase = np.degrees(np.unwrap(np.angle(loop)))
     # The phase of a loop with an integrator begins between -180 and 0 degrees.
     phase -= 360.0 * np.ceil(phase[0] / 360.0) if phase[0] > 0 else 0.0
@@ -288,8 +290,8 @@ def frequency_response(
     return Result("frequency_response", columns, units, figures, draw_bode)
 
 
-def closed_loop(bench: Bench, setpoint: float, swing: float, frequency: float) -> complex:
-    """Returns speed over set-point at a frequency, Hz. setpoint, swing: rpm."""
+def closed_loop(bench: Bench, setpoint: float, swing: float, frequency: float) -> tuple[complex, complex]:
+    """Returns true speed over set-point at a frequency, Hz, and that of the measured speed. setpoint, swing: rpm."""
     periods = int(np.ceil(max(6.0, 0.6 * frequency)))
     skipped = int(np.ceil(max(2.0, 0.2 * frequency)))
     begin, parts = bench.time, []
@@ -297,12 +299,13 @@ def closed_loop(bench: Bench, setpoint: float, swing: float, frequency: float) -
         rpm = setpoint + swing * np.sin(2.0 * np.pi * frequency * now)
         # Not `drive.set_speed`, which reads the limits from the drive and takes time for it.
         bench.drive._master.set_speed(round(rpm))
-        parts.append(bench.run(max(STEP, 1.0 / (STEPS * frequency)), signals=["setpoint", "speed"]))
-    time, given, speed = (np.concatenate([part[name] for part in parts]).astype(float) for name in ("time", "setpoint", "speed"))
+        parts.append(bench.run(max(STEP, 1.0 / (STEPS * frequency)), signals=["setpoint", "speed", "speed_estimated"]))
+    names = ("time", "setpoint", "speed", "speed_estimated")
+    time, given, *speeds = (np.concatenate([part[name] for part in parts]).astype(float) for name in names)
     chosen = (time - begin > skipped / frequency) & (time - begin <= periods / frequency)
     turning = np.exp(-2j * np.pi * frequency * time[chosen])
-    answer = ((speed[chosen] - speed[chosen].mean()) * turning).mean() / ((given[chosen] - given[chosen].mean()) * turning).mean()
-    return complex(answer)
+    of_setpoint, true, measured = (((values[chosen] - values[chosen].mean()) * turning).mean() for values in (given, *speeds))
+    return complex(true / of_setpoint), complex(measured / of_setpoint)
 
 
 def brown_out(

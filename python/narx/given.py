@@ -23,13 +23,26 @@ def timeout(value: float) -> float:
     return math.inf if value == math.inf else _core.number("timeout", value, "s", 0)
 
 
-def motor(value: Motor | str) -> Motor:
-    """Returns a motor, or the preset of a name."""
-    if isinstance(value, str):
-        return Motor.preset(value)
-    if not isinstance(value, Motor):
-        raise ParameterError(f"motor {value!r}: must be a narx.Motor or the name of a preset")
-    return value
+def motor(value: Motor | str | PathLike[str]) -> Motor:
+    """Returns a motor, the preset of a name, or the motor of a file (.toml)."""
+    if isinstance(value, Motor):
+        return value
+    if isinstance(value, PathLike) or (isinstance(value, str) and value.endswith(".toml")):
+        return motor_file(path(value))
+    if not isinstance(value, str):
+        raise ParameterError(f"motor {value!r}: must be a narx.Motor, the name of a preset, or a file of figures (.toml)")
+    return Motor.preset(value)
+
+
+def motor_file(file: Path) -> Motor:
+    """Returns the motor of a file with the arguments of `narx.Motor`, as `narx.Identified.save` writes it."""
+    import tomllib
+
+    try:
+        return Motor(**tomllib.loads(file.read_text(encoding="utf-8")))
+    except (TypeError, ValueError) as error:
+        # A name that `narx.Motor` does not have, one that is missing, or text that is no TOML.
+        raise ParameterError(f"{file}: {error}") from None
 
 
 def path(value: str | PathLike[str], name: str = "path") -> Path:

@@ -57,15 +57,15 @@ class Identified:
 
     def motor(self, **others: Any) -> _core.Motor:
         """Returns the motor for `narx.Bench`, `narx.sweep` and `commission`. others: further figures of
-        `narx.Motor`, such as rated_current; without it the current of the identification.
+        `narx.Motor`, such as rated_current, which no drive can measure.
 
         Raises RefusedError if the rotor was not allowed to turn.
         """
         return _core.Motor(**self._figures() | others)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the figures as a grid file (TOML) for `narx sweep`, without supply and speeds: add
-        supply_voltage and rpm to it, or give them by --set."""
+        """Writes the figures as a motor's file (TOML), which `narx.Bench`, `narx bench --motor`, `narx commission`
+        and `narx sweep` take."""
         lines = [f"{name} = {value!r}" for name, value in self._figures().items()]
         given.path(path).write_text("\n".join(["# Measured by the drive.", *lines, ""]))
 
@@ -80,7 +80,6 @@ class Identified:
             "inertia": self.inertia.value,
             "static_friction": self.static_friction or 0.0,
             "viscous_friction": self.viscous_friction or 0.0,
-            "rated_current": self.current,
         }
 
     def __str__(self) -> str:

@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]
-    use crate::motor::{Load, Motor, OperatingRange, restore_motor};
+    use crate::motor::{Load, Motor, OperatingRange, SpeedLoop, restore_motor};
     #[pymodule_export]
     use crate::plant::Plant;
     #[pymodule_export]
@@ -70,6 +70,7 @@ mod _core {
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("COMMISSIONED", crate::motor::commissioned(module.py())?)?;
         module.add("NodeState", crate::tx_master::states(module.py())?)?;
         module.add("Step", crate::blocks::steps(module.py())?)?;
         module.add("State", crate::state::states(module.py())?)

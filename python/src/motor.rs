@@ -3,14 +3,14 @@
 use crate::bench;
 use crate::error::{self, Given};
 use crate::notes;
-use narx_core::commissioning::{Commissioning, Mode, SUPPLY};
+use narx_core::commissioning::{self, Commissioning, Mode, SUPPLY, WRITTEN};
 use narx_core::dictionary::engineering;
-use narx_core::dictionary::{Access, Parameters};
+use narx_core::dictionary::{Access, Dictionary, Parameters};
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
 use narx_sim::session::SessionConfig;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::hash::{Hash, Hasher};
 
 /// A star-connected three-phase motor with equal phases, from its data sheet.
@@ -185,7 +185,8 @@ impl Motor {
     }
 
     /// Returns the parameters of a drive for this motor on `supply_voltage` volts by the design rules: name
-    /// -> value in its unit. pwm_rate: of its board, 8 000 to 50 000 Hz.
+    /// -> value in its unit. Those in `narx.COMMISSIONED` are the motor's, every other one has its factory
+    /// value. pwm_rate: of its board, 8 000 to 50 000 Hz.
     #[pyo3(signature = (supply_voltage, mode=Given::word("sensorless"), pwm_rate=Given::Whole(10_000)),
            text_signature = "($self, supply_voltage, mode='sensorless', pwm_rate=10000)")]
     fn commission<'py>(
@@ -210,6 +211,17 @@ impl Motor {
         pwm_rate: Given,
     ) -> PyResult<OperatingRange> {
         self.commissioning(supply_voltage, mode, pwm_rate).map(OperatingRange)
+    }
+
+    /// Returns the speed loop with this bandwidth, Hz; without it the fastest one with 60 degrees of phase
+    /// margin. speed_min: slowest set-point, mechanical rpm: the measured speed is the mean of an electrical
+    /// revolution, so slower set-points allow less. The inertia of a coupled load belongs to the motor here:
+    /// `motor.replace(inertia=...)`. Raises ParameterError, which names the largest bandwidth.
+    #[pyo3(signature = (speed_min, bandwidth=None), text_signature = "($self, speed_min, bandwidth=None)")]
+    fn speed_loop(&self, speed_min: Given, bandwidth: Option<Given>) -> PyResult<SpeedLoop> {
+        let speed_min = error::finite("speed_min", speed_min, "rpm")?;
+        let bandwidth = bandwidth.map(|given| error::finite("bandwidth", given, "Hz")).transpose()?;
+        self.config.figures().speed_loop(speed_min, bandwidth).map(SpeedLoop).map_err(error::parameter)
     }
 
     /// Name of a preset; `None` of any other motor.
@@ -376,6 +388,55 @@ impl Motor {
         arguments.set_item("thermal_time", self.thermal_time())?;
         arguments.set_item("max_winding_temperature", self.max_winding_temperature)?;
         Ok(arguments)
+    }
+}
+
+/// Gains of the speed loop, and what they bring.
+#[pyclass(module = "narx", frozen)]
+pub(crate) struct SpeedLoop(commissioning::SpeedLoop);
+
+#[pymethods]
+impl SpeedLoop {
+    /// Frequency at which the open loop has a gain of 1, Hz.
+    #[getter]
+    fn bandwidth(&self) -> f64 {
+        self.0.bandwidth
+    }
+
+    /// Phase margin at the slowest set-point, degrees; it is larger at every other.
+    #[getter]
+    fn phase_margin(&self) -> f64 {
+        self.0.phase_margin
+    }
+
+    /// Slowest set-point, mechanical rpm.
+    #[getter]
+    fn speed_min(&self) -> f64 {
+        self.0.speed_min
+    }
+
+    /// Gains and slowest set-point of both modes, for `drive.parameters.load` and
+    /// `narx.Bench(parameters=...)`: name -> value in its unit. Raises ParameterError for a value outside its
+    /// parameter's range.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut parameters = Parameters::new();
+        self.0.write(&mut parameters).map_err(error::parameter)?;
+        let all = dictionary(py, &parameters)?;
+        let values = PyDict::new(py);
+        for number in commissioning::SpeedLoop::WRITTEN {
+            let Some(row) = Dictionary::row(number) else { continue };
+            values.set_item(row.name(), all.get_item(row.name())?)?;
+        }
+        Ok(values)
+    }
+
+    fn __repr__(&self) -> String {
+        let SpeedLoop(found) = self;
+        format!(
+            "SpeedLoop({:.2} Hz, phase margin {:.0} degrees from {} rpm on)",
+            found.bandwidth, found.phase_margin, found.speed_min
+        )
     }
 }
 
@@ -582,6 +643,11 @@ fn dictionary<'py>(py: Python<'py>, parameters: &Parameters) -> PyResult<Bound<'
         }
     }
     Ok(values)
+}
+
+/// Names of the parameters that commissioning writes.
+pub(crate) fn commissioned(py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
+    PyTuple::new(py, WRITTEN.map(|number| Dictionary::row(number).map(|row| row.name())))
 }
 
 fn shapes() -> [(&'static str, BackEmf); 2] {

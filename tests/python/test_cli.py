@@ -38,19 +38,39 @@ def test_digits_of_other_scripts_are_refused(argument: str) -> None:
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients", "serve"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "identify", "commission", "reboot", "coefficients", "serve"):
         assert command in shown.stdout
     assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     "command",
-    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "reboot", "coefficients", "serve"],
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update", "start", "stop", "calibrate-hall", "identify", "commission", "reboot", "coefficients", "serve"],
 )
 def test_help_has_examples(command: str) -> None:
     shown = run(*command.split(), "--help", virtual=False)
     text = " ".join(shown.stdout.split())
     assert "Examples narx " in text and f"{command.split()[0]}" in text.split("Examples")[1]
+
+
+def test_a_drive_is_commissioned_for_a_motor(tmp_path: Path) -> None:
+    file, motor = tmp_path / "drive.json", narx.Motor.preset("bly172s-24v")
+    shown = run("commission", "bly172s-24v", "--supply", "24", "--to", str(file), virtual=False)
+    computed = {name: value for name, value in motor.commission(24).items() if name in narx.COMMISSIONED}
+    assert shown.returncode == 0 and json.loads(file.read_text()) == computed
+    shown = run("commission", "bly172s-24v", "--supply", "24", "--speed-min", "1000", "--bandwidth", "5", "--to", str(file), virtual=False)
+    assert "speed loop: 5.0 Hz, phase margin" in shown.stderr
+    assert json.loads(file.read_text()) == computed | motor.speed_loop(1000, 5).parameters
+    # The virtual drive is commissioned for another motor.
+    shown = run("commission", "bly172s-24v", "--supply", "24", "--mode", "hall")
+    assert shown.returncode == 0 and shown.stdout.endswith(" parameters changed\n") and not shown.stdout.startswith("0 ")
+    for arguments, message in [
+        (["--bandwidth", "5"], "needs --speed-min"),
+        (["--to", str(file), "--store"], "--to needs none"),
+        (["--speed-min", "1000", "--bandwidth", "500"], "bandwidth 500 Hz"),
+    ]:
+        shown = run("commission", "bly172s-24v", "--supply", "24", *arguments)
+        assert shown.returncode == 2 and message in shown.stderr
 
 
 def test_coefficients_are_a_header_for_c(tmp_path: Path) -> None:

@@ -32,6 +32,21 @@ def test_the_figures_make_a_motor_that_runs(found: narx.Identified, tmp_path: Pa
     assert bench.drive.measurements.speed == pytest.approx(2000, rel=0.02)
     found.save(tmp_path / "motor.toml")
     assert tomllib.loads((tmp_path / "motor.toml").read_text())["resistance"] == found.resistance.value
+    from_file = narx.Bench(tmp_path / "motor.toml", 18)
+    from_file.drive.start(2000)
+    from_file.run(1.0)
+    assert from_file.digest == bench.digest
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("pole_pairs = 4", "missing"), ("pole_pairs = ", "Invalid value"), ("torque = 4", "torque"), ("", "missing")],
+)
+def test_a_motor_file_that_is_none_is_named(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "motor.toml"
+    path.write_text(text)
+    with pytest.raises(narx.ParameterError, match=rf"motor\.toml: .*{message}"):
+        narx.Bench(path)
 
 
 def test_a_rotor_that_is_held_has_no_motor() -> None:

@@ -14,10 +14,12 @@ use crate::dictionary::engineering::{self, ValueError};
 use crate::shown::Shown;
 
 mod speed;
+mod speed_loop;
 mod torque;
 
 use speed::Demand;
 pub use speed::SpeedLimit;
+pub use speed_loop::{SpeedLoop, TuningError};
 pub use torque::{TorqueLimit, TorquePoint};
 
 /// Which control mode to enable (Table 6).
@@ -434,19 +436,11 @@ impl Nameplate {
         write(p, number::HALL_INTERPOLATION_SPEED, d.speed_min / 4.0)
     }
 
-    /// Speed loop. From voltage to speed the motor is `(1 / k) / (tau s + 1)`, `tau = J R / k^2`. The
-    /// controller `wc k (tau s + 1) / s` leaves the open loop `wc / s`: Kp = wc k tau = wc J R / k, Ki = wc
-    /// k. The bandwidth wc is what the speed measurement allows at the slowest speed: it averages a
-    /// revolution of T, a delay of T / 2, and wc T / 2 = 0.35 keeps 70 degrees of phase.
+    /// Speed loop: its bandwidth is what the speed measurement allows at the slowest speed, with 70 degrees of
+    /// phase margin. Current limiter.
     fn write_gains(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         let m = &self.motor;
-        let bandwidth = 0.7 * ELECTRICAL_MIN;
-        let kp = bandwidth * m.inertia * m.resistance / m.torque_constant;
-        let ki = bandwidth * m.torque_constant;
-        write(p, number::SPEED_KP_SL, kp)?;
-        write(p, number::SPEED_KI_SL, ki)?;
-        write(p, number::SPEED_KP_HES, kp * TWO_PI / 60.0)?;
-        write(p, number::SPEED_KI_HES, ki * TWO_PI / 60.0)?;
+        speed_loop::write_gains(p, m.speed_gains(0.7 * ELECTRICAL_MIN, m.resistance))?;
         // Current limiter: the winding is 1 / (R + L s), and pole-zero cancellation gives Kp = wc L, Ki = wc
         // R.
         write(p, number::HV_CURRENT_KP, CURRENT_BANDWIDTH * m.inductance)?;

@@ -142,8 +142,7 @@ const MECHANICAL_TIME: [f64; 4] = [8e-3, 24e-3, 4e-3, 60e-3];
 /// Signals of a lock, of a coasting rotor and of an acceleration, in the order of their bits.
 const HELD: [Signal; 3] = [Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
 const TERMINALS: [Signal; 3] = [Signal::TerminalA, Signal::TerminalB, Signal::TerminalC];
-const DRIVEN: [Signal; 4] =
-    [Signal::SpeedSensorless, Signal::BusVoltage, Signal::BusCurrent, Signal::Duty];
+const DRIVEN: [Signal; 4] = [Signal::SpeedSensorless, Signal::BusVoltage, Signal::BusCurrent, Signal::Duty];
 
 impl Identification {
     /// An identification that begins with the first [`step`](Self::step). The drive must be in Standby, with
@@ -492,10 +491,7 @@ impl Identification {
             commissioning.speed_max = fastest;
         }
         let parameters = &mut commissioning.parameters;
-        let limits = [
-            (number::SPEED_MIN_SL, commissioning.speed_min),
-            (number::SPEED_MAX_SL, fastest),
-        ];
+        let limits = [(number::SPEED_MIN_SL, commissioning.speed_min), (number::SPEED_MAX_SL, fastest)];
         for (number, value) in limits {
             engineering::set(parameters, number, value).map_err(IdentificationError::Value)?;
         }

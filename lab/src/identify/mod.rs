@@ -1,5 +1,7 @@
 //! Identification against the truth: every motor of the market and random motors, at any temperature.
 
+mod off_sheet;
+
 use crate::pwm_rate::PwmRate;
 use crate::quality::motor::{self, Subject};
 use clap::Args;
@@ -23,6 +25,10 @@ pub struct Arguments {
     /// Run one random motor again, by its seed
     #[arg(long)]
     pub case: Option<u64>,
+    /// Instead, commission motors that are not as their data sheet says: from the truth, from the sheet, and
+    /// from what was measured
+    #[arg(long, conflicts_with = "case")]
+    pub off_sheet: bool,
     #[command(flatten)]
     rate: PwmRate,
 }
@@ -44,6 +50,10 @@ const FIGURES: [(&str, f64); 5] = [
 /// Measures and prints.
 pub fn command(arguments: &Arguments) -> ExitCode {
     arguments.rate.run(|board| {
+        if arguments.off_sheet {
+            off_sheet::run(board, arguments.motors);
+            return Ok(true);
+        }
         let seeds: Vec<u64> = match arguments.case {
             Some(seed) => vec![seed],
             None => (0..arguments.motors).collect(),

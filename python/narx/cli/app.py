@@ -53,7 +53,7 @@ def motors(incomplete: str) -> list[str]:
     return [name for name in narx.Motor.presets() if name.startswith(incomplete)]
 
 
-MOTOR = typer.Option("--motor", help="A preset.", autocompletion=motors)
+MOTOR = typer.Option("--motor", help="A preset, or a file of figures (.toml).", autocompletion=motors)
 MODE = typer.Option(
     "--mode", help="sensorless, hall or open-loop.", autocompletion=lambda: ["sensorless", "hall", "open-loop"]
 )

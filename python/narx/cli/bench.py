@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 import narx
-from narx import _core
+from narx import _core, given
 from narx.cli.app import JSON, MODE, MOTOR, app, examples
 
 
@@ -59,7 +59,7 @@ def bench(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     with suppress(KeyboardInterrupt):
-        preset = narx.Motor.preset(motor)
+        preset = given.motor(motor)
         # Limited to the supply voltages of the drive (Table 1).
         volts = min(max(preset.nominal_voltage or 24.0, 18.0), 60.0) if supply is None else supply
         served = _core.Server(

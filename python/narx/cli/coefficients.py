@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, cast
 import typer
 
 import narx
+from narx import given
 from narx.cli.app import MODE, MOTOR, app, examples
 
 
@@ -33,13 +34,13 @@ def coefficients(
 ) -> None:
     """Prints the coefficients of a motor's control as a C header, for narx_motor_init; needs no drive."""
     if parameters is None:
-        preset = narx.Motor.preset(motor or "ec45-flat-50w-18v")
+        preset = given.motor(motor or "ec45-flat-50w-18v")
         volts = (preset.nominal_voltage or 24.0) if supply is None else supply
         chosen = cast("Literal['sensorless', 'hall', 'open-loop']", mode or "sensorless")
         values: dict[str, Any] = preset.commission(volts, chosen)
     else:
-        for option, given in [("--motor", motor), ("--mode", mode), ("--supply", supply)]:
-            if given is not None:
+        for option, value in [("--motor", motor), ("--mode", mode), ("--supply", supply)]:
+            if value is not None:
                 raise typer.BadParameter("belongs to a preset, and a file of parameters was given", param_hint=option)
         values = read(parameters, json.loads)
     print(narx.coefficients(values, None if board is None else read(board, tomllib.loads), name), end="")

@@ -7,13 +7,13 @@ import math
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, cast
 
 import typer
 
 import narx
 from narx import given
-from narx.cli.app import JSON, app, connected, err, examples, out
+from narx.cli.app import JSON, MODE, SUPPLY, app, connected, err, examples, motors, out
 from narx.drive import name_of
 
 STOP_MAX = 10.0
@@ -69,7 +69,7 @@ def identify(
     current: Annotated[float | None, typer.Option(help="Largest phase current, A.")] = None,
     bridge: Annotated[float | None, typer.Option(help="Resistance of two switches of the drive, ohm.")] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Do not turn: resistance and inductance alone.")] = False,
-    to: Annotated[Path | None, typer.Option("--to", help="File for the figures (TOML), for `narx sweep`.")] = None,
+    to: Annotated[Path | None, typer.Option("--to", help="File for the figures (.toml), for `narx commission` and `--motor`.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
@@ -81,6 +81,48 @@ def identify(
         if to is not None:
             found.save(to)
         print(json.dumps(asdict(found)) if as_json else found, flush=True)
+
+
+@app.command(
+    epilog=examples(
+        "narx -i socketcan -c can0 commission my-motor.toml --supply 24 --mode hall",
+        "narx commission my-motor.toml --supply 24 --speed-min 500 --bandwidth 6",
+        "narx commission bly172s-24v --supply 24 --to drive.json",
+    )
+)
+def commission(
+    motor: Annotated[str, typer.Argument(help="A preset, or a file of figures (.toml), as `narx identify --to` writes it.", autocompletion=motors)],
+    supply: Annotated[float, SUPPLY],
+    mode: Annotated[str, MODE] = "sensorless",
+    speed_min: Annotated[
+        float | None, typer.Option(help="Slowest set-point, rpm; the speed loop is as fast as it allows with 60 degrees of phase margin.")
+    ] = None,
+    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of the speed loop, Hz; needs --speed-min.")] = None,
+    pwm_rate: Annotated[int, typer.Option(help="PWM frequency of the drive, Hz.")] = 10_000,
+    to: Annotated[Path | None, typer.Option("--to", help="File for the parameters (JSON), for `narx params load`; then no drive is needed.")] = None,
+    store: Annotated[bool, typer.Option("--store", help="Keep them over a restart.")] = False,
+) -> None:
+    """Writes the parameters of a motor into the drive."""
+    if bandwidth is not None and speed_min is None:
+        raise typer.BadParameter("needs --speed-min", param_hint="--bandwidth")
+    if to is not None and store:
+        raise typer.BadParameter("belongs to a drive, and --to needs none", param_hint="--store")
+    chosen = given.motor(motor)
+    computed = chosen.commission(supply, cast("Literal['sensorless', 'hall', 'open-loop']", mode), pwm_rate)
+    # Addresses, calibration and the board's own limits stay as they are.
+    values = {name: computed[name] for name in narx.COMMISSIONED}
+    if speed_min is not None:
+        loop = chosen.speed_loop(speed_min, bandwidth)
+        values |= loop.parameters
+        err.print(f"speed loop: {loop.bandwidth:.1f} Hz, phase margin {loop.phase_margin:.0f} degrees from {speed_min:g} rpm on")
+    if to is not None:
+        to.write_text(json.dumps(values, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        return
+    with connected() as drive:
+        changed = drive.parameters.load(values)
+        if store:
+            drive.parameters.store()
+    out.print(f"{len(changed)} parameters changed")
 
 
 @app.command(epilog=examples("narx reboot", "narx -i socketcan -c can0 reboot --json"))
