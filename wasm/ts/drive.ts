@@ -268,10 +268,10 @@ export class Drive {
         return this.master.speed;
     }
 
-    /** True while a download is under way or about to begin. It takes the bus: frames of lower priority, such
-     * as SDOs of TX-Drivers, pass only after its end. */
+    /** True while a download is under way or about to begin, and during an identification, which downloads records. It takes
+     * the bus: frames of lower priority, such as SDOs of TX-Drivers, pass only after its end. */
     get downloads(): boolean {
-        return this.descriptionState === "reading" || this.#link.downloads;
+        return this.descriptionState === "reading" || this.#link.downloads || this.#link.identifies;
     }
 
     /** Reads BUILD_INFO and DEVICE_INFO now. */

@@ -26,6 +26,8 @@ class Identify {
     stage = $state<IdentificationStage>();
     /** The link's time at the begin, s. */
     begun = $state(0);
+    /** Duration of the last one that has ended, s. */
+    took = $state(0);
     result = $state.raw<Result>();
     /** Reason of an end without figures. */
     problem = $state<string>();
@@ -44,6 +46,7 @@ class Identify {
         try {
             const found = await session.run((drive) => drive.identify(options, (stage) => (this.stage = stage)));
             const data = typeof motor === "string" ? virtualDrive.known?.motors.find(({ name }) => name === motor)?.data : motor;
+            this.took = session.view.time - this.begun;
             this.result = { found, data, loaded: data !== undefined && Object.values(load ?? {}).some((figure) => figure !== 0) };
         } catch (error) {
             const left = (error instanceof Error && LEFT[error.name]) || "";
