@@ -86,12 +86,14 @@ test("Abort and the key of Stop end an identification, and the parameters have t
     await page.locator("#abort-identification").click();
     await problem.getByText(text).waitFor();
     await inState(page, "Standby");
-    await page.locator("#identify:enabled").click();
+    await begin(page);
     await page.locator("#identify-stage").getByText(/^Spinning/).waitFor(LONG);
     await inState(page, "Sensorless Closed-loop");
-    await go(page, "main");
+    await go(page, "connection");
+    assert.ok((await page.locator("#disconnect").isDisabled()) && (await page.locator("#power-up").isDisabled()) && (await page.locator("#slave").isDisabled()));
     await page.keyboard.press("F8");
     await inState(page, "Standby");
+    await page.locator("#disconnect:enabled").waitFor();
     await go(page, "identify");
     await problem.getByText(text).waitFor();
     // In the mode that the drive had.
