@@ -49,6 +49,7 @@ test("a drive measures its motor, puts its parameters back, and is commissioned 
     const lines = motorFile(found).trim().split("\n").slice(1).map((line) => line.split(" = "));
     assert.deepEqual(lines.map(([name]) => name), ["pole_pairs", "resistance", "inductance", "torque_constant", "inertia", "static_friction", "viscous_friction", "rated_current"]);
     assert.deepEqual(lines.map(([, value]) => Number(value)), Object.values(motorOf(found)));
+    assert.ok(lines.every(([, value]) => /^\d+(\.\d+)?(e-\d+)?$/.test(value)), "numbers of TOML");
 
     const operation = { supplyVoltage: 24, mode: "sensorless" };
     const made = await pump.run(drive.commission(found, operation));

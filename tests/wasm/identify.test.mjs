@@ -73,13 +73,20 @@ test("a motor is measured, saved as a motor file, and the drive commissioned fro
     await page.locator("#start").click();
     await inState(page, "Sensorless Closed-loop");
     await reaches(page, 2000, 40);
+
+    // Another drive: the figures stay, and are told to be those of the first.
+    await go(page, "connection");
+    await page.locator("#motor").selectOption({ index: 1 });
+    await page.locator("#power-up").click();
+    await go(page, "identify");
+    await page.getByText("The figures are those of another connection: Virtual drive, bly172s-24v.").waitFor();
     assert.deepEqual(complaints, []);
 });
 
 test("Abort and the key of Stop end an identification, and the parameters have their former values", async () => {
     const { page, complaints } = await operate(browser, "identify");
     const problem = page.locator("#identify-problem");
-    const text = "The identification was aborted. The motor stands, and the parameters have their former values.";
+    const text = "The identification was aborted. The parameters have their former values.";
     await begin(page);
     await page.locator("#identify-stage").getByText(/^Holding/).waitFor();
     await inState(page, "Open-loop");
@@ -108,7 +115,7 @@ test("a motor that is not there has its name, and the drive is as it was", async
     await page.locator("#inject").click();
     await go(page, "identify");
     await begin(page);
-    await page.locator("#identify-problem").getByText(/^No current is seen at a duty of 20\.0 %: is a motor connected, .* The motor stands,/).waitFor(LONG);
+    await page.locator("#identify-problem").getByText(/^No current is seen at a duty of 20\.0 %: is a motor connected, .* The parameters have their former values\.$/).waitFor(LONG);
     await inState(page, "Standby");
     assert.equal(await page.locator("#identified").count(), 0);
     assert.deepEqual(complaints, []);
@@ -149,7 +156,12 @@ test("a real drive behind a bridge measures its motor, and there is no data shee
         assert.ok(Math.abs(found[0][0] - 0.8) < 0.05, `${found[0][0]} ohm`);
         assert.equal(await page.locator("#identified th").count(), 2);
         await inState(page, "Standby");
+        // A drive that is lost keeps what was written.
+        await begin(page, { turn: false });
+        await page.locator("#identify-stage").getByText(/^Holding/).waitFor();
         assert.deepEqual(complaints, []);
+        bridge.end();
+        await page.locator("#identify-problem").getByText(/The drive may still have parameters of the identification/).waitFor();
     } finally {
         bridge.end();
         drive.end();

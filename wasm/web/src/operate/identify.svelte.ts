@@ -5,16 +5,17 @@ import type { IdentificationOptions, IdentificationStage, Identified } from "nar
 import { session, words } from "./session.svelte";
 import { virtualDrive } from "./link/virtual.svelte";
 
+const RESTORED = "The parameters have their former values.";
 /** State of the drive after an end without figures, by the error's name. */
-const LEFT: Partial<Record<string, string>> = {
-    NoAnswerError: "The drive may still have parameters of the identification: the device manager shows them as changed since commissioning.",
-    StartError: "The motor stands, and the parameters have their former values.",
-    RefusedError: "The motor stands, and the parameters have their former values.",
-};
+const LEFT: Partial<Record<string, string>> = { StartError: RESTORED, RefusedError: RESTORED, RangeError: RESTORED };
+/** That after any other error, such as the loss of the connection. */
+const UNKNOWN = "The drive may still have parameters of the identification: the device manager shows them as changed since commissioning.";
 
 /** An identification that has ended with figures. */
 export interface Result {
     found: Identified;
+    /** Name of the link to its drive. */
+    link: string;
     /** Figures of the data sheet, which a virtual motor has. */
     data: MotorOptions | undefined;
     /** True if the virtual motor had a load, which is part of what was measured. */
@@ -42,15 +43,16 @@ class Identify {
         [this.busy, this.stage, this.result, this.problem] = [true, "asking", undefined, undefined];
         this.begun = session.view.time;
         const motor = session.isVirtual ? virtualDrive.opened?.setup.motor : undefined;
+        const link = session.link?.name ?? "";
         const load = virtualDrive.opened?.setup.options.load;
         try {
             const found = await session.run((drive) => drive.identify(options, (stage) => (this.stage = stage)));
             const data = typeof motor === "string" ? virtualDrive.known?.motors.find(({ name }) => name === motor)?.data : motor;
             this.took = session.view.time - this.begun;
-            this.result = { found, data, loaded: data !== undefined && Object.values(load ?? {}).some((figure) => figure !== 0) };
+            this.result = { found, link, data, loaded: data !== undefined && Object.values(load ?? {}).some((figure) => figure !== 0) };
         } catch (error) {
-            const left = (error instanceof Error && LEFT[error.name]) || "";
-            this.problem = `${words(error)} ${left}`.trim();
+            const left = error instanceof Error ? LEFT[error.name] : undefined;
+            this.problem = `${words(error)} ${left ?? UNKNOWN}`;
         }
         [this.busy, this.stage] = [false, undefined];
     }
