@@ -144,7 +144,7 @@ test("an end without figures has its reason", async () => {
     assert.throws(() => new Identification({ polePairs: 4.5 }), { name: "RangeError" });
     await assert.rejects(new Drive({ silent: true }).identify({ polePairs: 4 }), { name: "RefusedError", message: "identify: the master is silent" });
     bench.inject("open-phase", { phase: "A" });
-    await assert.rejects(pump.run(drive.identify({ polePairs: 4 })), { name: "StartError", message: /^no current is seen at a duty of 20/ });
+    await assert.rejects(pump.run(drive.identify({ polePairs: 4 })), { name: "StartError", message: /^no current is seen at a duty of [\d.]+ %/ });
     assert.equal(drive.stateName, "Standby");
 
     const alone = await booted();
