@@ -228,6 +228,99 @@ export interface Progress {
 
 
 
+/** Facts that the user knows of the motor, and limits of its identification. */
+export interface IdentificationOptions {
+    /** Pole pairs, 1 to 50. They cannot be seen in volts and amperes. */
+    polePairs: number;
+    /** Largest phase current, above 0 and at most 6 A; default the one whose heat in the winding is 6 W, 6 A at most. */
+    current?: number;
+    /** Resistance of two switches of the drive, 0 or more and below 1 ohm; default that of narx's own board, 0.04. It is taken off
+     * what is measured. */
+    bridge?: number;
+    /** False holds the rotor and measures resistance and inductance alone; default true. */
+    turn?: boolean;
+}
+
+/** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; spins it and lets it coast
+ * for the torque constant; accelerates it for inertia and friction; stops it and restores the parameters. */
+export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "restoring";
+
+/** A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors. */
+export interface Figure {
+    readonly value: number;
+    readonly uncertainty: number;
+}
+
+/** The figures of a motor as its drive has measured them, at the temperature that the motor had. */
+export interface Identified {
+    /** As given. */
+    readonly polePairs: number;
+    /** Bus voltage without load, V. */
+    readonly supplyVoltage: number;
+    /** Largest phase current of the identification: the given one, or what the heat allows, A. */
+    readonly current: number;
+    /** Line to line, ohm. */
+    readonly resistance: Figure;
+    /** Line to line, H. */
+    readonly inductance: Figure;
+    /** Figures of a rotor that has turned; absent if it was held. */
+    readonly turned?: IdentifiedTurning;
+}
+
+/** Figures that a rotor shows when it turns. */
+export interface IdentifiedTurning {
+    /** N m/A, which is the back-EMF constant, V s/rad. */
+    readonly torqueConstant: Figure;
+    /** Of the rotor and what is coupled to it, kg m2. */
+    readonly inertia: Figure;
+    /** Friction at `speed`, N m. */
+    readonly friction: Figure;
+    /** Its constant part, N m. */
+    readonly staticFriction: number;
+    /** Its part that grows with the speed, N m s/rad. */
+    readonly viscousFriction: number;
+    /** Speed to which `friction` belongs, rad/s. */
+    readonly speed: number;
+}
+
+/** A motor, its supply and the control mode, for which a drive is commissioned. */
+export interface CommissionOptions {
+    /** Pole pairs, 1 to 255. */
+    polePairs: number;
+    /** Line to line, ohm. */
+    resistance: number;
+    /** Line to line, H. */
+    inductance: number;
+    /** N m/A. */
+    torqueConstant: number;
+    /** Of the rotor and what is coupled to it, kg m2. */
+    inertia: number;
+    /** Coulomb friction, N m; default 0. */
+    staticFriction?: number;
+    /** Viscous friction, N m s/rad; default 0. */
+    viscousFriction?: number;
+    /** Rated DC current, A; default what heats the winding by 6 W, at most 6 A. */
+    ratedCurrent?: number;
+    /** V. */
+    supplyVoltage: number;
+    mode: "hall" | "sensorless" | "open-loop";
+    /** PWM frequency of the drive's board, 8000 to 50 000 Hz, a whole number; default 10 000. */
+    pwmRate?: number;
+}
+
+/** Parameters for a motor, and what the drive's limits made of it. */
+export interface Commissioned {
+    /** Values by name, in their units: every parameter that a commissioning writes. */
+    readonly parameters: Partial<Record<ParameterName, number>>;
+    /** Limits of the drive that hold the motor back. */
+    readonly notes: string[];
+    /** Smallest and largest set-point, rpm. */
+    readonly speedMin: number;
+    readonly speedMax: number;
+}
+
+
+
 /** Header of an image. */
 export interface ImageInfo {
     /** Hardware id. */
@@ -305,6 +398,34 @@ export interface LogRecord {
 }
 
 
+
+/**
+ * The identification of a motor, step by step. It owns the requests, jobs and downloads of the master until
+ * it ends. `drive.identify` of `narx/drive` waits for it.
+ */
+export class Identification {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * Stops the motor; in the steps that follow the parameters get their former values, and the end is a
+     * "RefusedError".
+     */
+    abort(master: Master): void;
+    /**
+     * Makes an identification that begins with the first step. The drive must be in Standby, with the shaft
+     * at rest. Throws for an invalid option.
+     */
+    constructor(options: IdentificationOptions);
+    /**
+     * Goes on, after every poll of the master; returns the figures once. Throws a `MasterError` with which
+     * the identification has ended.
+     */
+    step(master: Master): Identified | undefined;
+    /**
+     * Part that is under way.
+     */
+    readonly stage: IdentificationStage;
+}
 
 /**
  * The master of a drive, at the other end of its bus. It has no clock and no bus of its own. Times are
@@ -658,6 +779,12 @@ export class TxMaster {
 export function closeSlcan(): Uint8Array;
 
 /**
+ * Returns the parameters of a drive for a motor, by the design rules. Throws a `RangeError` for a motor or a
+ * supply that the drive cannot run.
+ */
+export function commission(options: CommissionOptions): Commissioned;
+
+/**
  * Decodes a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11;
  * `undefined` if neither protocol has such a frame. `encoder`: PDOs of 8 bytes contain the encoder, which
  * the frame itself does not show.
@@ -716,12 +843,18 @@ export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembl
 
 export interface InitOutput {
     readonly memory: WebAssembly.Memory;
+    readonly __wbg_identification_free: (a: number, b: number) => void;
     readonly __wbg_master_free: (a: number, b: number) => void;
     readonly __wbg_slcanlines_free: (a: number, b: number) => void;
     readonly __wbg_txmaster_free: (a: number, b: number) => void;
     readonly closeSlcan: () => [number, number];
+    readonly commission: (a: any) => [number, number, number];
     readonly decode: (a: any, b: number) => [number, number, number];
     readonly encodeSlcan: (a: any) => [number, number, number, number];
+    readonly identification_abort: (a: number, b: number) => void;
+    readonly identification_new: (a: any) => [number, number, number];
+    readonly identification_stage: (a: number) => [number, number];
+    readonly identification_step: (a: number, b: number) => [number, number, number];
     readonly imageInfo: (a: number, b: number) => [number, number, number];
     readonly logRecords: (a: number, b: number, c: number) => any;
     readonly master_abortDownload: (a: number) => void;

@@ -401,9 +401,17 @@ export class Motor {
      */
     readonly resistance: number;
     /**
+     * Coulomb friction, N m.
+     */
+    readonly staticFriction: number;
+    /**
      * Mean torque per DC ampere in ideal six-step, N m/A.
      */
     readonly torqueConstant: number;
+    /**
+     * Viscous friction, N m s/rad.
+     */
+    readonly viscousFriction: number;
 }
 
 /**
@@ -484,7 +492,9 @@ export interface InitOutput {
     readonly motor_presets: () => [number, number];
     readonly motor_ratedCurrent: (a: number) => [number, number];
     readonly motor_resistance: (a: number) => number;
+    readonly motor_staticFriction: (a: number) => number;
     readonly motor_torqueConstant: (a: number) => number;
+    readonly motor_viscousFriction: (a: number) => number;
     readonly trace_column: (a: number, b: any) => [number, number, number];
     readonly trace_length: (a: number) => number;
     readonly trace_signals: (a: number) => any;

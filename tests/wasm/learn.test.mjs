@@ -285,6 +285,34 @@ const TABLE = [...readFileSync(new URL("../coverage.md", import.meta.url), "utf8
     ([, name, from, to]) => `${name} ${from} ${to}`,
 );
 
+test("identification: what the reader measures is what the motor has, whatever the levels, the speed and the flywheel", async () => {
+    const { page, complaints } = await open("identification", STILL);
+    // Two switches of 0.04 ohm are on the way.
+    await reaches(page, "two", 0.392, 0.404);
+    const one = await reading(page, "one");
+    assert.ok(one > 0.42, `${one} ohm from one level`);
+    await reaches(page, "inductance", 0.19, 0.21);
+    await reaches(page, "constant", 35.8, 36.2);
+    const areas = async () => [await reading(page, "area-first"), await reading(page, "area-last")];
+    const [first, last] = await areas();
+    assert.ok(Math.abs(first - last) < 0.02 * first, `${first} and ${last} mV s`);
+    await guess(page);
+    await reaches(page, "inertia", 47, 49);
+    const [friction, deceleration] = [await reading(page, "friction"), await reading(page, "deceleration")];
+
+    await slide(page, /Second level/, 5);
+    await page.waitForFunction((one) => Number.parseFloat(document.querySelector('[data-reading="one"]').textContent) > one, one);
+    await reaches(page, "two", 0.392, 0.404);
+    await slide(page, /Flywheel/, 2);
+    await reaches(page, "inertia", 141, 147);
+    assert.ok(Math.abs((await reading(page, "deceleration")) - deceleration / 3) < 0.1 * deceleration);
+    assert.ok(Math.abs((await reading(page, "friction")) - friction) < 0.1 * friction);
+    await slide(page, /Speed before/, 1500);
+    await page.getByText(/^First electrical revolution, at 14\d\d rpm$/).waitFor();
+    await reaches(page, "constant", 35.8, 36.2);
+    assert.deepEqual(complaints, []);
+});
+
 test("faults: the diagram is Table 7, lights the way to the fault, and lets nobody out unacknowledged", async () => {
     const { page, complaints } = await open("faults");
     const drawn = await page.locator("path[data-name]").evaluateAll((paths) => paths.map(({ dataset: { name, from, to } }) => `${name} ${from} ${to}`));

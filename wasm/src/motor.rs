@@ -147,6 +147,18 @@ impl Motor {
         self.config.inertia
     }
 
+    /// Coulomb friction, N m.
+    #[wasm_bindgen(getter, js_name = staticFriction)]
+    pub fn static_friction(&self) -> f64 {
+        self.config.static_friction
+    }
+
+    /// Viscous friction, N m s/rad.
+    #[wasm_bindgen(getter, js_name = viscousFriction)]
+    pub fn viscous_friction(&self) -> f64 {
+        self.config.viscous_friction
+    }
+
     /// Rated DC current, A.
     #[wasm_bindgen(getter, js_name = ratedCurrent)]
     pub fn rated_current(&self) -> Option<f64> {

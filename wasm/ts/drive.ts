@@ -3,28 +3,35 @@
 import {
     speedParameters,
     type BuildInfo,
+    type Commissioned,
     type DeviceInfo,
     type DriveValues,
     type FaultName,
     type Frame,
+    type IdentificationOptions,
+    type IdentificationStage,
+    type Identified,
     type Master,
     type MasterOptions,
     type Measurement,
     type MeasurementSignal,
     type MeasurementName,
     type Outputs,
+    type ParameterName,
     type Progress,
     type RequestName,
     type StateName,
     type UpdateProgress,
 } from "./core.js";
 import { Describer, type Descriptions, type DescriptionState } from "./description.js";
+import { commissionFor, type Operation } from "./identification.js";
 import { failure, Link } from "./link.js";
 import { Log } from "./log.js";
 import { Parameters } from "./parameters.js";
 import { Scope } from "./scope.js";
 
 export type { Descriptions, DescriptionState } from "./description.js";
+export { motorFile, motorOf, type Operation } from "./identification.js";
 export { misfit } from "./parameters.js";
 export type { Keep, LogName } from "./log.js";
 export type { ParameterKey } from "./parameters.js";
@@ -37,6 +44,8 @@ const START_MAX = 10;
 /** Largest set-point of MOTOR_CMD, rpm. */
 const SPEED_MAX = 65_535;
 const [INITIALIZATION, STANDBY, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 3, 4, 5, 6];
+/** Parameters of the scope, by number. */
+const [PRESCALER, SAMPLING_TIME] = [24, 25];
 const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
 
 /** Configuration of a master, and the use of its drive's description. */
@@ -52,6 +61,12 @@ export interface DriveOptions extends MasterOptions {
 export interface Info {
     readonly build: BuildInfo;
     readonly device: DeviceInfo;
+}
+
+/** A commissioning that was written. */
+export interface Commissioning extends Omit<Commissioned, "parameters"> {
+    /** Parameters that have changed. */
+    readonly changed: ParameterName[];
 }
 
 /** A drive. It has no clock and no bus of its own: pass it every frame that arrives, and send the frames of
@@ -112,8 +127,9 @@ export class Drive {
      * "StartError" that has the reason if the motor does not start. A drive in Fault does not start: `stop`
      * acknowledges the fault. */
     async start(rpm: number): Promise<void> {
-        const mine = ++this.#commands;
         this.#link.expectVoice("start");
+        this.#link.expectIdle("start");
+        const mine = ++this.#commands;
         this.master.checkSpeed(whole("start", rpm, -SPEED_MAX));
         if (await this.#link.wait(() => this.state !== undefined, START_MAX)) {
             // Without an answer the known values are used; the wait below has its own time-out.
@@ -134,6 +150,7 @@ export class Drive {
      * drive would clamp, and a "RefusedError" for a motor that was not started. */
     setSpeed(rpm: number): void {
         this.#link.expectVoice("setSpeed");
+        this.#link.expectIdle("setSpeed");
         this.#expectSpeed(whole("setSpeed", rpm, 0));
         const stands = this.state === STANDBY || this.state === INITIALIZATION;
         if (this.state === FAULT || (stands && !this.master.startPending && !this.master.asksToTurn)) {
@@ -165,16 +182,18 @@ export class Drive {
         }
     }
 
-    /** Requests Standby, which also acknowledges a fault. */
+    /** Requests Standby, which also acknowledges a fault, and ends an identification. */
     stop(): void {
         this.#commands += 1;
+        this.#link.abortIdentification();
         this.master.stop();
     }
 
     /** Requests a shutdown: the drive goes into Fault with bit 28. */
     shutDown(): void {
-        this.#commands += 1;
         this.#link.expectVoice("shutDown");
+        this.#link.expectIdle("shutDown");
+        this.#commands += 1;
         this.master.shutDown();
     }
 
@@ -249,10 +268,10 @@ export class Drive {
         return this.master.speed;
     }
 
-    /** True while a download is under way or about to begin. It takes the bus: frames of lower priority, such
-     * as SDOs of TX-Drivers, pass only after its end. */
+    /** True while a download is under way or about to begin, and during an identification, which downloads records. It takes
+     * the bus: frames of lower priority, such as SDOs of TX-Drivers, pass only after its end. */
     get downloads(): boolean {
-        return this.descriptionState === "reading" || this.#link.downloads;
+        return this.descriptionState === "reading" || this.#link.downloads || this.#link.identifies;
     }
 
     /** Reads BUILD_INFO and DEVICE_INFO now. */
@@ -315,6 +334,35 @@ export class Drive {
      * `parameters.store` stores the result. */
     async calibrateHall(run = false): Promise<void> {
         await (run ? this.#link.job("calibrate hall") : this.#request("calibrate hall"));
+    }
+
+    /** Measures the motor's resistance, inductance, torque constant, inertia and friction: within some 15 s the drive holds the
+     * rotor, spins it, lets it coast and accelerates it. The shaft must be free and at rest, and the drive in Standby. `progress`
+     * is called with each stage. `stop` ends it; other requests are refused meanwhile. At the end the motor stands and every
+     * parameter but the scope's has its former value, also after an error. Before the torque constant is known the rotor turns at
+     * 50 electrical revolutions a second, or a little more; from then on at half of its nominal speed at most. Rejects with a
+     * `RangeError` for an invalid option, a "StartError" for a motor that is missing, blocked or incomplete, or that the drive
+     * cannot turn, a "RefusedError" if it was stopped, and a "NoAnswerError" if the drive is lost. */
+    identify(options: IdentificationOptions, progress?: (stage: IdentificationStage) => void): Promise<Identified> {
+        return this.#link.identify(options, progress);
+    }
+
+    /** True while the motor is being identified. */
+    get identifies(): boolean {
+        return this.#link.identifies;
+    }
+
+    /** Writes the parameters for a motor that was identified, and returns the names of those that have changed. The drive must be
+     * in Standby. Rejects with a `RangeError` for a motor or a supply that the drive cannot run, and a "RefusedError" for a motor
+     * that was not allowed to turn; nothing is written then. */
+    async commission(found: Identified, operation: Omit<Operation, "pwmRate">): Promise<Commissioning> {
+        // A sampling time of 1000 ticks tells the PWM frequency to 0.01 %.
+        const before = await this.parameters.get(PRESCALER);
+        await this.parameters.set(PRESCALER, 1000);
+        const pwmRate = Math.round(1000 / (await this.parameters.get(SAMPLING_TIME)));
+        await this.parameters.set(PRESCALER, before);
+        const { parameters, ...made } = commissionFor(found, { ...operation, pwmRate });
+        return { ...made, changed: await this.parameters.load(parameters) };
     }
 
     /** Waits until this many seconds have passed in the times of `poll`. */

@@ -1,7 +1,7 @@
 // A master, and the calls that wait for it. No call blocks, and there is no clock: the owner of a drive
 // passes frames and times, and promises settle during those calls.
 
-import { Master, parameters, type Chunk, type Frame, type JobName, type MasterError, type MasterOptions, type Progress, type RecordJobName, type RecordSetup, type UpdateProgress } from "./core.js";
+import { Identification, Master, parameters, type Chunk, type Frame, type IdentificationOptions, type IdentificationStage, type Identified, type JobName, type MasterError, type MasterOptions, type Progress, type RecordJobName, type RecordSetup, type UpdateProgress } from "./core.js";
 
 import { tablesOf, type Tables } from "./description.js";
 
@@ -41,6 +41,14 @@ interface Job {
     readonly reject: (error: unknown) => void;
 }
 
+interface Measuring {
+    readonly identification: Identification;
+    readonly progress: ((stage: IdentificationStage) => void) | undefined;
+    readonly resolve: (found: Identified) => void;
+    readonly reject: (error: unknown) => void;
+    told: IdentificationStage | undefined;
+}
+
 interface Update {
     readonly progress: ((progress: UpdateProgress) => void) | undefined;
     readonly resolve: () => void;
@@ -61,6 +69,8 @@ export class Link {
     #downloads: Download[] = [];
     #download: Download | undefined;
     #update: Update | undefined;
+    /** The identification under way, which owns the master's requests, jobs and downloads. */
+    #measuring: Measuring | undefined;
     /** Jobs under way: of the motor, and of the scope or the log. */
     readonly #jobs = new Map<"motor" | "record", Job>();
     #tables: Tables;
@@ -100,6 +110,11 @@ export class Link {
         return this.#download !== undefined || this.#downloads.length > 0;
     }
 
+    /** True while the motor is being identified. */
+    get identifies(): boolean {
+        return this.#measuring !== undefined;
+    }
+
     /** True while a job of the scope or the log is under way. */
     get records(): boolean {
         return this.#jobs.has("record");
@@ -126,6 +141,32 @@ export class Link {
         }
     }
 
+    /** Throws while the motor is being identified: nothing else may command the drive or ask it. */
+    expectIdle(command: string): void {
+        if (this.#measuring) {
+            throw failure("RefusedError", `${command}: the motor is being identified; stop ends that`);
+        }
+    }
+
+    /** Identifies the motor; `abortIdentification` ends it. It begins after the answers and the download that are waited for.
+     * Rejects with the error that the options give, too, and with a "RefusedError" while a job or an update is under way. */
+    identify(options: IdentificationOptions, progress?: (stage: IdentificationStage) => void): Promise<Identified> {
+        return new Promise((resolve, reject) => {
+            this.expectVoice("identify");
+            this.expectIdle("identify");
+            const [job] = this.#jobs.values();
+            if (job !== undefined || this.#update !== undefined) {
+                throw failure("RefusedError", `identify: the ${job?.name ?? "update"} is under way`);
+            }
+            this.#measuring = { identification: new Identification(options), progress, resolve, reject, told: undefined };
+        });
+    }
+
+    /** Ends the identification that is under way: the motor stops, and the parameters get their former values. */
+    abortIdentification(): void {
+        this.#measuring?.identification.abort(this.master);
+    }
+
     /** Begins a job of the motor, and waits for its end. One that is under way is rejected. */
     job(name: JobName, rpm?: number): Promise<void> {
         const { master } = this;
@@ -142,6 +183,7 @@ export class Link {
 
     #carryOut(kind: "motor" | "record", name: string, begin: () => void, poll: () => boolean): Promise<void> {
         return new Promise((resolve, reject) => {
+            this.expectIdle(name);
             begin();
             const error = kind === "motor" ? "StartError" : "RefusedError";
             const former = this.#jobs.get(kind);
@@ -153,7 +195,10 @@ export class Link {
     /** Makes a request of the master, and waits for its answer. Rejects with the error that `begin` throws,
      * too. */
     ask(begin: () => void): Promise<number> {
-        return new Promise((resolve, reject) => this.#waiting.push({ begin, resolve, reject }));
+        return new Promise((resolve, reject) => {
+            this.expectIdle("request");
+            this.#waiting.push({ begin, resolve, reject });
+        });
     }
 
     /** Waits until `done`, at most `seconds`; resolves to whether it was done. */
@@ -163,15 +208,17 @@ export class Link {
 
     /** Returns the bytes of a download; downloads run one after another. */
     download(begin: () => void, progress?: (progress: Progress) => void): Promise<Uint8Array> {
-        return new Promise((resolve, reject) =>
-            this.#downloads.push({ begin, progress, chunks: [], resolve, reject, told: -1 }),
-        );
+        return new Promise((resolve, reject) => {
+            this.expectIdle("download");
+            this.#downloads.push({ begin, progress, chunks: [], resolve, reject, told: -1 });
+        });
     }
 
     /** Programs the drive with an image. Rejects with the error that the master throws at the beginning,
      * too. */
     update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
         return new Promise((resolve, reject) => {
+            this.expectIdle("update");
             this.master.update(image);
             this.#update = { progress, resolve, reject, told: undefined };
         });
@@ -199,17 +246,14 @@ export class Link {
     }
 
     #settle(): void {
-        for (let answer = this.master.pollAnswer(); answer !== undefined; answer = this.master.pollAnswer()) {
-            const question = this.#asked.shift();
-            if (answer.error !== undefined) {
-                question?.reject(answer.error);
-            } else {
-                question?.resolve(answer.value);
-            }
+        if (this.#measuring && this.#asked.length === 0 && this.#waiting.length === 0 && !this.downloads) {
+            this.#measure(this.#measuring);
+        } else {
+            this.#answer();
+            this.#receive();
+            this.#program();
+            this.#work();
         }
-        this.#receive();
-        this.#program();
-        this.#work();
         // A loop, not `filter`: Node 20 fails with "unreachable code" when it inlines functions that call
         // WebAssembly into `filter`.
         const waiting: Waiter[] = [];
@@ -222,6 +266,37 @@ export class Link {
             }
         }
         this.#waiters.unshift(...waiting);
+    }
+
+    #measure(measuring: Measuring): void {
+        const { identification, progress } = measuring;
+        try {
+            const found = identification.step(this.master);
+            const { stage } = identification;
+            if (stage !== measuring.told) {
+                measuring.told = stage;
+                progress?.(stage);
+            }
+            if (found === undefined) {
+                return;
+            }
+            measuring.resolve(found);
+        } catch (error) {
+            measuring.reject(error);
+        }
+        this.#measuring = undefined;
+        identification.free();
+    }
+
+    #answer(): void {
+        for (let answer = this.master.pollAnswer(); answer !== undefined; answer = this.master.pollAnswer()) {
+            const question = this.#asked.shift();
+            if (answer.error !== undefined) {
+                question?.reject(answer.error);
+            } else {
+                question?.resolve(answer.value);
+            }
+        }
     }
 
     #receive(): void {

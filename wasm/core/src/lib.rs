@@ -5,6 +5,8 @@
 //! | file | JavaScript | Rust |
 //! |---|---|---|
 //! | `master.rs`, `requests.rs` | `Master`, `speedParameters` | [`narx_core::master`] |
+//! | `identification.rs` | `Identification` | [`narx_core::identification`] |
+//! | `identification.rs` | `commission` | [`narx_core::commissioning`] |
 //! | `update.rs` | `Master`, `imageInfo` | [`narx_core::master`] |
 //! | `description.rs` | `Master.describe` | [`narx_core::master::DescriptionReader`] |
 //! | `tx_master.rs` | `TxMaster`, `txObjects` | [`narx_core::master::eddycan`] |
@@ -19,6 +21,7 @@
 
 mod description;
 mod dictionary;
+mod identification;
 mod master;
 mod messages;
 mod requests;
@@ -27,6 +30,7 @@ mod tx_master;
 mod update;
 
 pub use dictionary::{log_records, measurement_signals, parameters, scope_signals};
+pub use identification::{Identification, commission};
 pub use master::{Master, speed_parameters};
 pub use messages::decode;
 pub use slcan::{SlcanLines, close_slcan, encode_slcan, open_slcan};

@@ -114,7 +114,7 @@ pub(crate) const RPM_MAX: f64 = u16::MAX as f64;
 pub struct Master {
     pub(crate) core: Core,
     /// Latest time that was passed in, microseconds.
-    now: u64,
+    pub(crate) now: u64,
     /// Image of the update.
     pub(crate) image: Vec<u8>,
     /// Tables from the drive's description; `None`: those of this package are used.

@@ -62,7 +62,7 @@ export interface Outputs {
 pub(crate) const NO_ANSWER: &str = "NoAnswerError";
 pub(crate) const REFUSED: &str = "RefusedError";
 pub(crate) const PARAMETER: &str = "ParameterError";
-const START: &str = "StartError";
+pub(crate) const START: &str = "StartError";
 
 /// Jobs without arguments, by their names.
 const JOBS: [(&str, Job); 3] =
@@ -237,7 +237,7 @@ impl Master {
 
     /// Converts the error of a job, or of one request. An error about a parameter has the drive's own name
     /// and range.
-    fn job_error(&self, error: JobError) -> JsValue {
+    pub(crate) fn job_error(&self, error: JobError) -> JsValue {
         if let JobError::Request(_, RequestError::Refused(refused)) = error {
             return self.refusal(&refused);
         }

@@ -52,8 +52,12 @@ impl Options {
 
     /// Returns a finite number, which must be given.
     pub fn required(&self, name: &str) -> Result<f64, JsValue> {
-        let missing = || type_error(&format!("{}: {name} is missing", self.owner));
-        self.number(name)?.ok_or_else(missing)
+        self.number(name)?.ok_or_else(|| self.missing(name))
+    }
+
+    /// Returns the error for an option that must be given and is missing.
+    pub fn missing(&self, name: &str) -> JsValue {
+        type_error(&format!("{}: {name} is missing", self.owner))
     }
 
     /// Returns a finite number, 0 or more.

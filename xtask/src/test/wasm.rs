@@ -11,7 +11,21 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
     steps.push(Step::new("wasm in Node", move || {
-        node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size", "budget"])
+        node(
+            root,
+            &[
+                "recording",
+                "bench",
+                "changes",
+                "drive",
+                "described",
+                "core",
+                "identification",
+                "full",
+                "size",
+                "budget",
+            ],
+        )
     }));
     steps.push(Step::new("page in Chromium", move || {
         // The variable CHROMIUM names another browser.
@@ -25,6 +39,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
                 "learn",
                 "model",
                 "operate",
+                "identify",
                 "workspace",
                 "passing",
                 "instruments",

@@ -16,11 +16,11 @@ class Commissioned {
     #looked = -Infinity;
     #complete = false;
 
-    /** Takes each value that the drive reports for the first time. Values of real drives that this browser
-     * has kept come before them. */
-    look({ parameters, parameter, toRead, connected }: View, real: boolean): void {
+    /** Takes each value that the drive reports for the first time, but not those of an identification. Values of
+     * real drives that this browser has kept come before them. */
+    look({ parameters, parameter, toRead, connected, identifies }: View, real: boolean): void {
         const now = performance.now();
-        if (this.#complete || !connected || now < this.#looked + LOOK) {
+        if (this.#complete || !connected || identifies || now < this.#looked + LOOK) {
             return;
         }
         this.#looked = now;

@@ -15,6 +15,7 @@ export const PANELS: readonly PanelEntry[] = [
     { path: "main", title: "Main panel", load: () => ({ default: Main }) },
     { path: "connection", title: "Connection", load: () => import("./Connection.svelte") },
     { path: "virtual", title: "Virtual drive", load: () => import("./VirtualDrive.svelte") },
+    { path: "identify", title: "Identify", load: () => import("./Identify.svelte") },
     { path: "parameters", title: "Device manager", load: () => import("./DeviceManager.svelte") },
     { path: "scope", title: "Virtual scope", load: () => import("./Scope.svelte") },
     { path: "logging", title: "Logging", load: () => import("./Logging.svelte") },

@@ -49,9 +49,10 @@ class Session {
         return this.link !== undefined && !this.view.connected && this.view.time > this.#opened + BOOT;
     }
 
-    /** True if this master can command: its link can send, and the drive is received. */
+    /** True if this master can command: its link can send, the drive is received, and its motor is not being
+     * identified. */
     get commands(): boolean {
-        return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected;
+        return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected && !this.view.identifies;
     }
 
     /** True if the drive is a virtual one of this page. */

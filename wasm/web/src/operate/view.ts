@@ -13,6 +13,8 @@ export interface View {
     /** State of the drive, 0 to 7; absent while unknown. */
     state?: number;
     stateName: string;
+    /** True while the motor is being identified: the drive takes no other commands. */
+    identifies: boolean;
     /** Names of the set bits of the fault word. */
     faults: readonly string[];
     /** Meaning of the extended code of the last critical fault, in Fault. */
@@ -46,6 +48,7 @@ export const NOTHING: View = {
     time: 0,
     connected: false,
     stateName: "state unknown",
+    identifies: false,
     faults: [],
     status: {},
     measurements: [],
@@ -67,6 +70,7 @@ export function look(drive: Drive, time: number): View {
         connected: master.connected,
         state,
         stateName: master.stateName ?? "state unknown",
+        identifies: drive.identifies,
         faults: master.faults ?? [],
         fault: state === FAULT ? (critical?.meaning ?? (critical && `extended fault code ${critical.code.toString(16)}h`)) : undefined,
         status: status as View["status"],

@@ -56,6 +56,12 @@ export const CHAPTERS: Chapter[] = [
         load: () => import("./SpeedLoop.svelte"),
     },
     {
+        path: "identification",
+        title: "How a drive measures its motor",
+        about: "Hold the rotor, let it go and let it coast: five figures without a data sheet.",
+        load: () => import("./Identification.svelte"),
+    },
+    {
         path: "faults",
         title: "Faults and the state machine",
         about: "Provoke faults, follow the transitions between the states, and acknowledge.",

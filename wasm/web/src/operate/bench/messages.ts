@@ -61,6 +61,8 @@ export interface MotorEntry {
     title: string;
     /** Nominal voltage, V. */
     nominalVoltage: number;
+    /** Figures of its data sheet. */
+    data: MotorOptions;
 }
 
 /** The plant's signals that a row has. */

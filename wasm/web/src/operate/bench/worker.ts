@@ -170,7 +170,9 @@ addEventListener("message", async ({ data }: MessageEvent<Request>) => {
 
 function entry(name: MotorEntry["name"]): MotorEntry {
     const motor = Motor.preset(name);
-    const found = { name, title: `${motor.maker} ${motor.part}`, nominalVoltage: motor.nominalVoltage ?? 24 };
+    const { polePairs, resistance, inductance, torqueConstant, inertia, staticFriction, viscousFriction } = motor;
+    const data = { polePairs, resistance, inductance, torqueConstant, inertia, staticFriction, viscousFriction };
+    const found = { name, title: `${motor.maker} ${motor.part}`, nominalVoltage: motor.nominalVoltage ?? 24, data };
     motor.free();
     return found;
 }
