@@ -124,7 +124,7 @@ def test_no_number_is_taken_that_is_none(name: str, allowed: str, call: Callable
 
 
 WORDS: list[tuple[Callable[[Any], object], str]] = [
-    (lambda value: narx.Bench(value), "motor 5: must be a narx.Motor or the name of a preset"),
+    (lambda value: narx.Bench(value), "motor 5: must be a narx.Motor, the name of a preset, or a file of figures (.toml)"),
     (lambda value: bench(load=value), "load 5: must be a narx.Load"),
     (lambda value: bench(mode=value), "mode 5: must be one of hall, sensorless, open-loop"),
     (lambda value: bench(parameters=value), "parameters 5: must be a mapping of names to values"),
