@@ -1,4 +1,4 @@
-/* Coefficients of a motor's control, computed by narx 0.1.0. Make them again, do not edit them. */
+/* Coefficients of a motor's control, computed by narx 0.2.0. Make them again, do not edit them. */
 
 #include "narx.h"
 

@@ -15,6 +15,7 @@
 //!   motor       its control tick alone            narx_motor_*, narx_coefficients_build
 //!   message     NarMotion-X messages              narx_message_*
 //!   master      the master of a drive             narx_master_*
+//!   identification, commissioning                 narx_identification_*, narx_commission, narx_speed_loop
 //!   blocks      the drive's blocks, one by one    narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
 //!                                                 narx_commutation_*, narx_fault_*, narx_state_*
 //!   eddycan     the TX-Driver and its master      narx_tx_*
@@ -29,11 +30,15 @@
 mod blocks;
 mod board;
 mod bus_state;
+#[cfg(feature = "engineering")]
+mod commissioning;
 mod device;
 mod eddycan;
 mod fixed;
 mod frame;
 mod handle;
+#[cfg(feature = "engineering")]
+mod identification;
 mod inputs;
 mod master;
 mod message;
@@ -50,6 +55,8 @@ mod text;
 pub use blocks::*;
 pub use board::{narx_board_default, narx_board_t, narx_channel_t};
 pub use bus_state::narx_bus_state_t;
+#[cfg(feature = "engineering")]
+pub use commissioning::*;
 pub use device::{
     NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
     narx_drive_init, narx_drive_init_stored, narx_drive_poll_bulk_frame, narx_drive_poll_frame,
@@ -59,6 +66,8 @@ pub use device::{
 pub use eddycan::*;
 pub use fixed::*;
 pub use frame::narx_frame_t;
+#[cfg(feature = "engineering")]
+pub use identification::*;
 pub use inputs::{
     narx_drive_handle_bus_state, narx_drive_handle_inputs, narx_drive_outputs, narx_drive_take_reboot,
     narx_outputs_t, narx_slow_inputs_t,

@@ -103,6 +103,22 @@ pub enum narx_status_t {
     NARX_ERROR_SCOPE_REFUSED = -44,
     /// No working controller can be built from the parameters; narx_parameter_error_t names one.
     NARX_ERROR_PARAMETERS = -45,
+    /// No current flows: no motor is connected, or one of its phases is open.
+    NARX_ERROR_NO_MOTOR = -46,
+    /// Two phases of the motor are shorted, or the bridge has less resistance than was said.
+    NARX_ERROR_SHORT = -47,
+    /// The supply cannot hold its voltage under load.
+    NARX_ERROR_SAGS = -48,
+    /// What was recorded fits no motor: something moves the shaft, or holds it.
+    NARX_ERROR_UNSTEADY = -49,
+    /// The terminals show no back-EMF: the rotor does not turn.
+    NARX_ERROR_NO_BACK_EMF = -50,
+    /// The motor does not reach the speed of the identification.
+    NARX_ERROR_NOT_REACHED = -51,
+    /// The supply leaves the motor no room to accelerate.
+    NARX_ERROR_NO_ROOM = -52,
+    /// The drive cannot run this motor on this supply.
+    NARX_ERROR_COMMISSIONING = -53,
 }
 
 use narx_status_t::*;
@@ -125,7 +141,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 47] = [
+const ALL: [narx_status_t; 55] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -173,6 +189,14 @@ const ALL: [narx_status_t; 47] = [
     NARX_ERROR_NOT_CALIBRATED,
     NARX_ERROR_SCOPE_REFUSED,
     NARX_ERROR_PARAMETERS,
+    NARX_ERROR_NO_MOTOR,
+    NARX_ERROR_SHORT,
+    NARX_ERROR_SAGS,
+    NARX_ERROR_UNSTEADY,
+    NARX_ERROR_NO_BACK_EMF,
+    NARX_ERROR_NOT_REACHED,
+    NARX_ERROR_NO_ROOM,
+    NARX_ERROR_COMMISSIONING,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -224,6 +248,14 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_SCOPE_REFUSED => c"the scope is not armed or forced",
         NARX_ERROR_PARAMETERS => c"no working controller can be built from the parameters",
         NARX_ERROR_SPEED => c"the set-point is beyond the drive's limits",
+        NARX_ERROR_NO_MOTOR => c"no current flows: no motor is connected, or one of its phases is open",
+        NARX_ERROR_SHORT => c"two phases are shorted, or the bridge has less resistance than was said",
+        NARX_ERROR_SAGS => c"the supply cannot hold its voltage under load",
+        NARX_ERROR_UNSTEADY => c"what was recorded fits no motor: something moves the shaft, or holds it",
+        NARX_ERROR_NO_BACK_EMF => c"the terminals show no back-EMF: the rotor does not turn",
+        NARX_ERROR_NOT_REACHED => c"the motor does not reach the speed of the identification",
+        NARX_ERROR_NO_ROOM => c"the supply leaves the motor no room to accelerate",
+        NARX_ERROR_COMMISSIONING => c"the drive cannot run this motor on this supply",
     }
 }
 

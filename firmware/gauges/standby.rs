@@ -16,16 +16,16 @@ mod image {
     use cortex_m_rt::{entry, exception};
     use cortex_m_semihosting::hprintln;
     use heapless::Deque;
+    use narx_board::shell::{Background, Control, Progress};
+    use narx_board::side::{BackgroundSide, TickSide};
     use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
     use narx_core::bus::{BusState, Frame};
     use narx_core::device::Queues;
     use narx_core::dictionary::Parameters;
     use narx_core::motor::{Board, PwmCommand, Samples};
     use narx_core::node::{Identity, Node, Outputs, SlowInputs, update};
-    use narx_firmware::board::{BackgroundSide, TickSide};
     use narx_firmware::boards::qemu::instructions::Sum;
     use narx_firmware::boards::qemu::{Owned, semihosting};
-    use narx_firmware::shell::{Background, Control, Progress};
 
     /// Counts of the system timer a control tick: far more than its instructions take, 3.2 counts each.
     const PERIOD: u32 = 250_000;

@@ -18,19 +18,25 @@ from maturin import (  # noqa: F401
 )
 
 LIBRARY = "libnarx_fmu.so"
+ROOT = Path(__file__).parents[2]
+
+# The sources that a registry has are those of this package alone: without the library of the FMUs, and with a lock file
+# that names more than they use, which cargo refuses under --locked and else only shortens.
+WHOLE = (ROOT / "python/fmu").exists()
+if WHOLE:
+    os.environ.setdefault("MATURIN_PEP517_ARGS", "--locked")
 
 
 def build_library() -> None:
     """Builds the library and puts it beside the package's files; elsewhere than on Linux on x86-64 there is
     none."""
-    if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
+    if not WHOLE or (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         return
-    root = Path(__file__).parents[2]
     command = ["cargo", "rustc", "--package", "narx-fmu", "--release", "--locked", "--", "-C", "strip=symbols"]
-    subprocess.run(command, cwd=root, check=True)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release" / LIBRARY
+    subprocess.run(command, cwd=ROOT, check=True)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / LIBRARY
     # In a folder that is no package: it is no module of Python.
-    binaries = root / "python/narx/binaries"
+    binaries = ROOT / "python/narx/binaries"
     binaries.mkdir(exist_ok=True)
     shutil.copy(built, binaries / LIBRARY)
 

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 /// Returns the CAN database of the drive's messages (DBC).
 #[pyfunction]
 pub(crate) const fn dbc() -> &'static str {
-    include_str!("../../docs/narx.dbc")
+    include_str!("files/narx.dbc")
 }
 
 /// Returns the electronic data sheet (EDS) of a TX-Driver with this number of channels, whose PDOs have the
@@ -20,10 +20,10 @@ pub(crate) const fn dbc() -> &'static str {
 #[pyo3(signature = (channels=Given::Whole(1), encoder=false), text_signature = "(channels=1, encoder=False)")]
 pub(crate) fn eds(channels: Given, encoder: bool) -> PyResult<&'static str> {
     Ok(match (tx_master::channels(channels)?, encoder) {
-        (Channels::Single, false) => include_str!("../../docs/eddycan-single.eds"),
-        (Channels::Single, true) => include_str!("../../docs/eddycan-single-encoder.eds"),
-        (Channels::Dual, false) => include_str!("../../docs/eddycan-dual.eds"),
-        (Channels::Dual, true) => include_str!("../../docs/eddycan-dual-encoder.eds"),
+        (Channels::Single, false) => include_str!("files/eddycan-single.eds"),
+        (Channels::Single, true) => include_str!("files/eddycan-single-encoder.eds"),
+        (Channels::Dual, false) => include_str!("files/eddycan-dual.eds"),
+        (Channels::Dual, true) => include_str!("files/eddycan-dual-encoder.eds"),
     })
 }
 

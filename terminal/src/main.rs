@@ -1,11 +1,15 @@
-//! Commands of `cargo xtask` that run in a terminal: `demo`, `drive` and `sign`.
+//! Programs for a terminal: `demo`, `drive` and `sign`, which are commands of `cargo xtask`, too.
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use narx_terminal::{demo, drive, sign};
 use std::process::ExitCode;
 
 #[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+#[command(
+    name = "narx-terminal",
+    about = "A motor on a simulated bench, and images for its bootloader",
+    version
+)]
 struct Arguments {
     #[command(subcommand)]
     job: Job,
@@ -22,7 +26,10 @@ enum Job {
 }
 
 fn main() -> ExitCode {
-    match Arguments::parse().job {
+    // Cargo sets this variable for what it runs.
+    let called = if std::env::var_os("CARGO").is_some() { "cargo xtask" } else { "narx-terminal" };
+    let matches = Arguments::command().bin_name(called).get_matches();
+    match Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Drive(arguments) => drive::run(&arguments),
         Job::Sign(arguments) => sign::command(&arguments),

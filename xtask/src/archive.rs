@@ -2,15 +2,21 @@
 //! one file.
 //!
 //! ```text
-//!  narx-VERSION/   include/narx.h
+//!  narx-VERSION/   include/narx.h              functions; it includes types and tables
 //!                  lib/TARGET/libnarx.a        for each target
 //!                  lib/TARGET/libnarx-small.a  for each processor: the same bits in less flash
+//!                  lib/TARGET/pkgconfig/       pkg-config
 //!                  lib/cmake/narx/             find_package(narx)
+//!                  CMakeLists.txt              FetchContent
+//!                  library.json                PlatformIO
+//!                  zephyr/                     a module of Zephyr
 //!                  share/narx/examples/*.c     a piece of a hand-written driver each
+//!                  share/narx/sizes.toml       flash, RAM and instructions of each part
 //!                  README.md CHANGELOG.md PROTOCOL.md LICENSE-*
 //! ```
 
 use crate::cross;
+use crate::files::{self, copy, read, write};
 use crate::install;
 use crate::library::{self, Released};
 use narx_report::steps::{self, Outcome};
@@ -34,13 +40,8 @@ fn pack(root: &Path) -> Outcome {
     let libraries = library::released();
     libraries.iter().try_for_each(|(library, processor)| library.build(root, *processor).map(drop))?;
     let folder = lay_out(root, &libraries)?;
-    let name = name();
-    let file = target_directory(root).join(format!("{name}.tar.gz"));
-    let mut tar = Command::new("tar");
-    // Equal files give equal archives.
-    tar.args(["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0", "-czf"]);
-    tar.arg(&file).arg("-C").arg(folder.parent().unwrap_or(root)).arg(&name);
-    steps::run(&mut tar)?;
+    let file = folder.with_file_name(format!("{}.tar.gz", name()));
+    files::pack(&folder, &file)?;
     let bytes = fs::metadata(&file).map_err(|error| format!("{}: {error}", file.display()))?.len();
     Ok(vec![format!("{}: {} KB", file.display(), bytes / 1024)])
 }
@@ -53,8 +54,7 @@ pub(crate) fn lay_out(root: &Path, libraries: &[Released]) -> Result<PathBuf, St
     let folder = target_directory(root).join(name());
     // Files of an earlier version must not stay.
     let _ = fs::remove_dir_all(&folder);
-    let package = folder.join("lib/cmake/narx");
-    copy(&root.join("ffi/include/narx.h"), &folder.join("include/narx.h"))?;
+    copy(&root.join("ffi/include"), &folder.join("include"))?;
     for &(library, processor) in libraries {
         let (target, strip) = processor
             .map_or((HOST, "strip".to_owned()), |processor| (processor.target(), processor.tool("strip")));
@@ -62,16 +62,29 @@ pub(crate) fn lay_out(root: &Path, libraries: &[Released]) -> Result<PathBuf, St
         copy(&library.path(root, processor), &file)?;
         // Debug information holds the folders of the sources and is of no use to a user.
         steps::run(Command::new(strip).arg("--strip-debug").arg(&file))?;
+        let system = if processor.is_none() { " -lpthread -ldl -lm" } else { "" };
+        let package = read(&root.join("ffi/package/narx.pc"))?;
+        let package = package.replace("@VERSION@", VERSION).replace("@SYSTEM@", system);
+        write(&file.with_file_name("pkgconfig/narx.pc"), &package)?;
     }
-    copy(&root.join("ffi/cmake/narxConfig.cmake"), &package.join("narxConfig.cmake"))?;
-    let version = read(&root.join("ffi/cmake/narxConfigVersion.cmake"))?.replace("@VERSION@", VERSION);
-    write(&package.join("narxConfigVersion.cmake"), &version)?;
-    let examples = root.join("ffi/examples");
-    for entry in
-        fs::read_dir(&examples).map_err(|error| format!("{}: {error}", examples.display()))?.flatten()
-    {
-        copy(&entry.path(), &folder.join("share/narx/examples").join(entry.file_name()))?;
+    let from = root.join("ffi/package");
+    for (name, to) in [
+        ("narxConfig.cmake", "lib/cmake/narx/narxConfig.cmake"),
+        ("CMakeLists.txt", "CMakeLists.txt"),
+        ("Doxyfile", "share/narx/Doxyfile"),
+        ("platformio.py", "share/narx/platformio.py"),
+    ] {
+        copy(&from.join(name), &folder.join(to))?;
     }
+    for (name, to) in [
+        ("narxConfigVersion.cmake", "lib/cmake/narx/narxConfigVersion.cmake"),
+        ("library.json", "library.json"),
+    ] {
+        write(&folder.join(to), &read(&from.join(name))?.replace("@VERSION@", VERSION))?;
+    }
+    copy(&from.join("zephyr"), &folder.join("zephyr"))?;
+    copy(&root.join("ffi/examples"), &folder.join("share/narx/examples"))?;
+    copy(&root.join("tests/golden/ffi_sizes.toml"), &folder.join("share/narx/sizes.toml"))?;
     copy(&root.join("ffi/README.md"), &folder.join("README.md"))?;
     for text in ["CHANGELOG.md", "PROTOCOL.md", "LICENSE-APACHE", "LICENSE-MIT"] {
         copy(&root.join(text), &folder.join(text))?;
@@ -81,23 +94,4 @@ pub(crate) fn lay_out(root: &Path, libraries: &[Released]) -> Result<PathBuf, St
 
 fn name() -> String {
     format!("narx-{VERSION}")
-}
-
-fn copy(from: &Path, to: &Path) -> Result<(), String> {
-    make_parent(to)?;
-    fs::copy(from, to).map(drop).map_err(|error| format!("{}: {error}", from.display()))
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), String> {
-    make_parent(path)?;
-    fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-fn make_parent(path: &Path) -> Result<(), String> {
-    let parent = path.parent().unwrap_or(path);
-    fs::create_dir_all(parent).map_err(|error| format!("{}: {error}", parent.display()))
 }

@@ -13,6 +13,8 @@ mod callgrind;
 mod conformance;
 mod cross;
 mod driven;
+mod examples;
+mod files;
 mod firmware;
 mod floor;
 mod fuzz;
@@ -27,7 +29,9 @@ mod others;
 mod programs;
 mod proof;
 mod qemu;
+mod release;
 mod replayer;
+mod site;
 mod sizes;
 mod slots;
 mod small;
@@ -117,7 +121,7 @@ enum Job {
     /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
     #[command(disable_help_flag = true)]
     Eds(Other),
-    /// Make ffi/include/narx.h anew: the C header
+    /// Make ffi/include/narx*.h anew: the C headers
     #[command(disable_help_flag = true)]
     Header(Other),
     /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
@@ -139,12 +143,18 @@ enum Job {
     Sizes(Check),
     /// Build a firmware image, and run it where there is an emulator for its board
     Firmware(firmware::Arguments),
+    /// Build, test and measure the examples for boards; makes tests/golden/examples.toml anew
+    Examples(Check),
     /// Build the WebAssembly packages and the page, into wasm/pkg and wasm/web/dist
     Web(web::Arguments),
     /// Build the C library for every target, and pack it with header, CMake package and examples
     Archive,
+    /// Make every artefact of a release in one folder; make it again and compare; use each as its user does
+    Release(release::Arguments),
     /// Build the reference of the Python package from its docstrings, into target/docs/python
     Docs,
+    /// Build the documentation site: guide, references, notebooks and page in one folder, target/site
+    Site(site::Arguments),
     /// Test our files and the virtual drive with other people's tools: a part of `test rust`
     Interop,
     /// Check licences, sources and bans of every crate, with cargo-deny
@@ -191,9 +201,12 @@ fn main() -> ExitCode {
             Step::new("C sizes", move || sizes::generate(root, check)),
         ]),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
+        Job::Examples(Check { check }) => examples::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
         Job::Archive => archive::command(root),
+        Job::Release(arguments) => release::command(root, &arguments),
         Job::Docs => run_all(test::python::docs(root)),
+        Job::Site(arguments) => site::command(root, &arguments),
         Job::Interop => finish(interop::run(root)),
         Job::Audit => audit::command(root),
         Job::Branches(arguments) => branches::command(root, &arguments),
@@ -231,6 +244,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("corpus", move || update(root, &["narx-fuzz", "--test", "seeds"])),
         Step::new("documents", move || GENERATE.run(root, &["documents"])),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
+        Step::new("examples", move || examples::regenerate(root, false)),
         Step::new("instructions", move || instructions::regenerate(root, false)),
         Step::new("proof", move || proof::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),

@@ -2,6 +2,7 @@
 //! golden figures in `tests/golden/ffi_sizes.toml`.
 
 use crate::cross::{self, Processor};
+use crate::files::read;
 use crate::install;
 use crate::library::{Library, NARX, SMALL};
 use crate::qemu::{self, Machine};
@@ -30,7 +31,7 @@ const HEAD: &str = "\
 ";
 
 /// Parts of the interface: name, prefixes of its calls, and its object.
-const PARTS: [(&str, &[&str], Option<&str>); 17] = [
+const PARTS: [(&str, &[&str], Option<&str>); 18] = [
     ("formats", &["narx_q1", "narx_iq24", "narx_milli"], None),
     ("pi", &["narx_pi_"], Some("narx_pi_t")),
     ("ramp", &["narx_ramp_"], Some("narx_ramp_t")),
@@ -41,6 +42,11 @@ const PARTS: [(&str, &[&str], Option<&str>); 17] = [
     ("state", &["narx_state_"], Some("narx_state_machine_t")),
     ("message", &["narx_message_"], None),
     ("master", &["narx_master_"], Some("narx_master_t")),
+    (
+        "identification",
+        &["narx_identification_", "narx_nameplate_", "narx_commission", "narx_speed_loop"],
+        Some("narx_identification_t"),
+    ),
     ("tx_driver", &["narx_tx_driver_"], Some("narx_tx_driver_t")),
     ("tx_master", &["narx_tx_master_"], Some("narx_tx_master_t")),
     ("motor", &["narx_motor_", "narx_coefficients_"], Some("narx_motor_t")),
@@ -290,8 +296,4 @@ fn costs(root: &Path, processor: Processor) -> Result<Vec<(String, u64, u64)>, S
         Some((words.next()?.to_owned(), words.next()?.parse().ok()?, words.next()?.parse().ok()?))
     };
     Ok(text.lines().filter_map(row).collect())
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }

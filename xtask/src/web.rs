@@ -1,5 +1,6 @@
 //! The WebAssembly build: module, packages for the web and for Node, and the page.
 
+use crate::files;
 use crate::install;
 use narx_report::steps::{self, Outcome, Step, run_all};
 use narx_report::target_directory;
@@ -125,13 +126,7 @@ pub(crate) fn package(root: &Path) -> Outcome {
 /// they would differ on every machine. Each module is built by itself, because each needs other features of
 /// core.
 fn modules(root: &Path) -> Outcome {
-    let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
-    if let Some(cargo) = cargo_home() {
-        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
-        for registry in fs::read_dir(cargo.join("registry/src")).into_iter().flatten().flatten() {
-            flags.push(format!("--remap-path-prefix={}=cargo", registry.path().display()));
-        }
-    }
+    let flags = folders_replaced(root, &target_directory(root));
     for (package, profile, _) in MODULES {
         steps::run(
             Command::new("cargo")
@@ -141,6 +136,23 @@ fn modules(root: &Path) -> Outcome {
         )?;
     }
     Ok(Vec::new())
+}
+
+/// Returns options of the compiler that replace the names of folders: those of the sources, of what is built
+/// (`target`) and of cargo.
+pub(crate) fn folders_replaced(root: &Path, target: &Path) -> Vec<String> {
+    // The last one that fits is taken.
+    let mut flags = vec![
+        format!("--remap-path-prefix={}=narx", root.display()),
+        format!("--remap-path-prefix={}=built", target.display()),
+    ];
+    if let Some(cargo) = cargo_home() {
+        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
+        for registry in fs::read_dir(cargo.join("registry/src")).into_iter().flatten().flatten() {
+            flags.push(format!("--remap-path-prefix={}=cargo", registry.path().display()));
+        }
+    }
+    flags
 }
 
 /// Generates the JavaScript around the modules, shrinks the modules, and compiles the TypeScript over them.
@@ -156,8 +168,7 @@ fn packages(root: &Path) -> Outcome {
     let tools = root.join("wasm/web/node_modules/.bin");
     let (web, node) = (directory.join("web"), directory.join("node"));
     for (_, _, name) in MODULES {
-        let module = format!("{name}_bg.wasm");
-        let file = web.join(&module);
+        let file = web.join(format!("{name}_bg.wasm"));
         let mut optimise = Command::new(tools.join("wasm-opt"));
         // The stack lies first in memory, so no address of an object is a small number:
         // `low-memory-unused` may assume that. Functions that are called once stay functions of their own:
@@ -170,13 +181,21 @@ fn packages(root: &Path) -> Outcome {
             .arg("-o")
             .arg(&file);
         steps::run(&mut optimise)?;
-        // Both packages have the same module, with other JavaScript.
-        fs::copy(&file, node.join(&module)).map_err(|error| format!("{}: {error}", file.display()))?;
     }
-    for package in [&web, &node] {
+    for (folder, declared) in [(&web, "true"), (&node, "false")] {
         let mut compile = Command::new(tools.join("tsc"));
-        steps::run(compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(package))?;
+        compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(folder);
+        steps::run(compile.args(["--declaration", declared]))?;
     }
+    for text in ["wasm/README.md", "LICENSE-MIT", "LICENSE-APACHE"] {
+        let from = root.join(text);
+        let name = from.file_name().unwrap_or_default();
+        files::copy(&from, &directory.join(name))?;
+    }
+    let manifest = files::read(&root.join("wasm/pack/package.json"))?
+        .replace("@VERSION@", env!("CARGO_PKG_VERSION"))
+        .replace("@REPOSITORY@", env!("CARGO_PKG_REPOSITORY"));
+    files::write(&directory.join("package.json"), &manifest)?;
     Ok(Vec::new())
 }
 

@@ -316,6 +316,23 @@ const CAPACITANCE: f64 = 100e-6;
 const BUS_MAX: f64 = 60.9;
 const TWO_PI: f64 = core::f64::consts::TAU;
 
+impl Motor {
+    /// Figures that no motor has at 0 or below.
+    fn positive(&self) -> [(&'static str, f64); 5] {
+        [
+            ("resistance", self.resistance),
+            ("inductance", self.inductance),
+            ("torque constant", self.torque_constant),
+            ("inertia", self.inertia),
+            ("pole pairs", f64::from(self.pole_pairs)),
+        ]
+    }
+}
+
+fn not_positive(mut figures: impl Iterator<Item = (&'static str, f64)>) -> Option<(&'static str, f64)> {
+    figures.find(|(_, value)| value.is_nan() || *value <= 0.0)
+}
+
 impl Nameplate {
     /// The parameter set for `mode`, as [`commission_on`](Self::commission_on) for narx's own board and
     /// without a largest speed.
@@ -389,16 +406,8 @@ impl Nameplate {
         if !SUPPLY.contains(&self.supply) {
             return Err(CommissioningError::Supply(self.supply));
         }
-        let m = &self.motor;
-        let figures = [
-            ("resistance", m.resistance),
-            ("inductance", m.inductance),
-            ("torque constant", m.torque_constant),
-            ("inertia", m.inertia),
-            ("pole pairs", f64::from(m.pole_pairs)),
-            ("rated current", self.rated_current()),
-        ];
-        match figures.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
+        let rated = [("rated current", self.rated_current())];
+        match not_positive(self.motor.positive().into_iter().chain(rated)) {
             Some((name, value)) => Err(CommissioningError::Motor { name, value }),
             None => Ok(()),
         }
@@ -436,8 +445,8 @@ impl Nameplate {
         write(p, number::HALL_INTERPOLATION_SPEED, d.speed_min / 4.0)
     }
 
-    /// Speed loop: its bandwidth is what the speed measurement allows at the slowest speed, with 70 degrees of
-    /// phase margin. Current limiter.
+    /// Speed loop: its bandwidth is what the speed measurement allows at the slowest speed, with 70 degrees
+    /// of phase margin. Current limiter.
     fn write_gains(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         let m = &self.motor;
         speed_loop::write_gains(p, m.speed_gains(0.7 * ELECTRICAL_MIN, m.resistance))?;

@@ -2,12 +2,12 @@
 //!
 //! From voltage to speed the motor is `(1 / k) / (tau s + 1)`, `tau = J R / k^2`. The controller
 //! `wc k (tau s + 1) / s` leaves the open loop `wc / s`, which crosses a gain of 1 at the bandwidth `wc`:
-//! `Kp = wc k tau = wc J R / k`, `Ki = wc k`. Delays take phase from its 90 degrees: the measured speed is the
-//! mean of an electrical revolution of T, and stays the same for a sector of T / 6, half of both late; and the
-//! winding's current follows its voltage L / R late. Every commutation costs the volt-seconds that turn the
-//! current over, as if R were larger by `3 L p w / 2 pi`.
+//! `Kp = wc k tau = wc J R / k`, `Ki = wc k`. Delays take phase from its 90 degrees: the measured speed is
+//! the mean of an electrical revolution of T, and stays the same for a sector of T / 6, half of both late;
+//! and the winding's current follows its voltage L / R late. Every commutation costs the volt-seconds that
+//! turn the current over, as if R were larger by `3 L p w / 2 pi`.
 
-use super::{CommissioningError, Motor, TWO_PI, write};
+use super::{CommissioningError, Motor, TWO_PI, not_positive, write};
 use crate::dictionary::{Parameters, number};
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use core::fmt;
@@ -35,6 +35,13 @@ pub struct SpeedLoop {
 /// A speed loop that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TuningError {
+    /// A figure of the motor is not a positive number.
+    Motor {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The slowest set-point is no positive number.
     Speed(f64),
     /// The bandwidth is no positive number, or leaves less than 60 degrees of phase margin.
@@ -51,6 +58,7 @@ pub enum TuningError {
 impl fmt::Display for TuningError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Motor { name, value } => write!(f, "motor {name} {value} must be greater than 0"),
             Self::Speed(value) => write!(f, "slowest set-point {value} rpm: must be greater than 0"),
             Self::Bandwidth { value, most, speed_min } => write!(
                 f,
@@ -66,8 +74,11 @@ impl Motor {
     /// margin. speed_min: slowest set-point, mechanical rpm, where the margin is smallest.
     ///
     /// # Errors
-    /// A speed that is no positive number, and a bandwidth that leaves less margin, with the largest one.
+    /// A figure of the motor or a speed that is no positive number, and a bandwidth that leaves less margin, with the largest one.
     pub fn speed_loop(&self, speed_min: f64, bandwidth: Option<f64>) -> Result<SpeedLoop, TuningError> {
+        if let Some((name, value)) = not_positive(self.positive().into_iter()) {
+            return Err(TuningError::Motor { name, value });
+        }
         if !(speed_min > 0.0 && speed_min.is_finite()) {
             return Err(TuningError::Speed(speed_min));
         }

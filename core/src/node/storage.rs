@@ -141,7 +141,7 @@ impl Flash {
 
 impl Node {
     /// Connects the node to a flash, at power-up: from now on [`Node::poll_storage`] returns requests.
-    /// `opened` is the flash's report on [`Request::Open`]; the node was made with its parameters.
+    /// `opened` is the flash's report on [`FlashTask::Open`]; the node was made with its parameters.
     pub fn attach_storage(&mut self, opened: &Opened) {
         self.flash.attached = true;
         self.flash.loaded = !opened.faults.contains(FaultWord::STORE_ABSENT);

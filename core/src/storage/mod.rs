@@ -118,7 +118,7 @@ const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 2];
 const LABEL_BYTES: usize = 16;
 
 impl<F> Storage<F> {
-    /// Makes the storage; the flash is not read before the first request, which is [`Request::Open`].
+    /// Makes the storage; the flash is not read before the first request, which is [`FlashTask::Open`].
     pub const fn new(flash: F) -> Self {
         Self { flash, place: None, buffers: Buffers::new() }
     }

@@ -9,7 +9,7 @@
 //! The drive wants one scale for all voltages and the mean current of the bus. Phase codes are brought to the
 //! bus voltage's scale; the bus current is what flows through the low legs to ground, times the duty.
 
-use crate::bridge::Gates;
+use narx_board::stm32::Gates;
 use narx_core::motor::{Channel, FrontEnd, SampleMode};
 use narx_core::units::{Celsius, Duty, Volts};
 

@@ -3,7 +3,6 @@
 //! ```text
 //!  pure, tested on the host                          registers, on the board alone (chip)
 //!  timing  counts, instants, dead time      ───────> TIM1, TIM4
-//!  bridge  steps as register words          ───────> TIM1
 //!  analog  codes to units                   <─────── ADC1, ADC2, op-amps, comparators
 //!  edges   captures to edges                <─────── TIM4
 //!  can     bit timing, frames               <──────> FDCAN1
@@ -14,7 +13,6 @@
 #![no_std]
 
 pub mod analog;
-pub mod bridge;
 pub mod can;
 #[cfg(target_os = "none")]
 pub mod chip;

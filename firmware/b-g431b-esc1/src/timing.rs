@@ -73,15 +73,3 @@ pub const fn position(count: u16, down: bool) -> u16 {
 pub const fn has_come(at: u16, now: u16) -> bool {
     now.wrapping_sub(at) < 1 << 15
 }
-
-/// The field DTG for a dead time of so many counts, rounded up (RM0440, TIM1_BDTR); `None` beyond 1008.
-pub const fn dead_time_code(counts: u16) -> Option<u8> {
-    let code = match counts {
-        0..=127 => counts,
-        128..=254 => 0x80 | (counts.div_ceil(2) - 64),
-        255..=504 => 0xC0 | (counts.div_ceil(8) - 32),
-        505..=1008 => 0xE0 | (counts.div_ceil(16) - 32),
-        _ => return None,
-    };
-    Some(code as u8)
-}

@@ -1,16 +1,15 @@
 //! Arithmetic of the board against its data sheets: tables that a reader can follow with a calculator.
 
 use narx_b_g431b_esc1::analog::{self, FRONT_END, SHUNT_ZERO, terminal};
-use narx_b_g431b_esc1::bridge::{Gates, gates, pause, registers};
 use narx_b_g431b_esc1::can::{BIT_RATE, BitTiming, CLOCK_HZ, bus_state, decode, encode};
 use narx_b_g431b_esc1::edges::{Capture, Edges};
 use narx_b_g431b_esc1::flash_map::{MAP, PAGE, SIZE, START};
 use narx_b_g431b_esc1::pins::{Function, PINS, Port, words};
 use narx_b_g431b_esc1::timing::{
-    COMPARE_MAX, DEAD_TIME, PERIOD, TOP, compare, dead_time_code, has_come, instant, part, position,
-    sample_compare,
+    COMPARE_MAX, DEAD_TIME, PERIOD, TOP, compare, has_come, instant, part, position, sample_compare,
 };
 use narx_b_g431b_esc1::{BOARD, SKEW};
+use narx_board::stm32::{Gates, dead_time_code, gates, pause, registers};
 use narx_core::bus::{ErrorState, Frame, Id};
 use narx_core::motor::{Edge, EdgeSource, Leg, Rectification, SampleMode, Samples, Step};
 use narx_core::units::{Celsius, Duty, Volts};

@@ -1,8 +1,8 @@
 //! The image's own program, the RAM that it runs in and the end of its stack, as bytes and cells: for the
 //! self-tests of any Cortex-M.
 
-use crate::self_test::march::{Cells, march_keeping};
 use core::ptr;
+use narx_board::self_test::march::{Cells, march_keeping};
 
 /// Words kept aside while their place is tested.
 const KEPT: usize = 64;

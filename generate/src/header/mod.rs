@@ -1,5 +1,5 @@
-//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and coefficients,
-//! and the core's tables.
+//! The C headers, made from the C interface, the core's enumerations and coefficients, and the core's tables:
+//! `narx.h` has the functions, `narx_types.h` their types, `narx_tables.h` numbers and names from the tables.
 
 mod tables;
 
@@ -7,16 +7,16 @@ use crate::Made;
 use cbindgen::{Builder, Config};
 use std::path::Path;
 
-/// Makes the header.
+/// Makes the headers.
 ///
 /// # Errors
 /// Fails with cbindgen's message.
 pub fn make(root: &Path) -> Result<Made, String> {
-    let text = header(root)?;
-    Ok(Made { summary: format!("{} lines of C", text.lines().count()), files: vec![(HEADER.into(), text)] })
+    let files = headers(root)?;
+    let lines: usize = files.iter().map(|(_, text)| text.lines().count()).sum();
+    let files = files.map(|(name, text)| (format!("ffi/include/{name}"), text)).into();
+    Ok(Made { summary: format!("{lines} lines of C"), files })
 }
-
-const HEADER: &str = "ffi/include/narx.h";
 
 /// Files of the core with the enumerations and the coefficients that the header contains.
 const TYPES: [&str; 23] = [
@@ -48,25 +48,56 @@ const TYPES: [&str; 23] = [
 /// File with the parameters' numbers.
 const NUMBERS: &str = "core/src/dictionary/number.rs";
 
-fn header(root: &Path) -> Result<String, String> {
+/// Renders the three headers. cbindgen writes one text, types first; it is cut where the functions begin.
+fn headers(root: &Path) -> Result<[(&'static str, String); 3], String> {
+    const FUNCTIONS: &str = "#ifdef __cplusplus\nextern \"C\" {";
     let config = Config::from_file(root.join("ffi/cbindgen.toml"))?;
-    let mut builder = Builder::new()
-        .with_config(config)
-        .with_crate(root.join("ffi"))
-        .with_after_include(numbers(root)? + "\n" + &tables::definitions());
+    let mut builder = Builder::new().with_config(config).with_crate(root.join("ffi"));
     for file in TYPES {
         builder = builder.with_src(root.join(file));
     }
     // Types end in _t; their enumerators need not.
-    Ok(without_lists(&text(builder)?).replace("_T_", "_"))
+    let text = without_strangers(&text(builder)?).replace("_T_", "_");
+    let (about, rest) = text.split_once("*/\n").ok_or("the head of the header is no comment")?;
+    let (types, functions) = rest.split_once(FUNCTIONS).ok_or("the header has no functions")?;
+    let tables = numbers(root)? + "\n" + &tables::definitions();
+    Ok([
+        ("narx.h", guarded("narx", about, "narx_types.h", &format!("{FUNCTIONS}{functions}"))),
+        ("narx_types.h", guarded("narx_types", TYPES_ABOUT, "narx_tables.h", types)),
+        ("narx_tables.h", guarded("narx_tables", TABLES_ABOUT, "stdint.h", &tables)),
+    ])
 }
 
-/// Removes the list `ALL` of an enumeration, with its comment: it contains names that C does not have.
-fn without_lists(text: &str) -> String {
+const TYPES_ABOUT: &str = "/**
+ * @file
+ * Types of narx.h, which includes this file. Made by `cargo xtask header`: do not edit.
+ ";
+const TABLES_ABOUT: &str = "/**
+ * @file
+ * Numbers and names of parameters, faults, messages and their fields, from the tables of the protocol (PROTOCOL.md).
+ * narx.h includes this file. Made by `cargo xtask header`: do not edit.
+ ";
+
+/// Puts a header together: its head, a guard, the file that it includes, and its content.
+fn guarded(name: &str, about: &str, included: &str, content: &str) -> String {
+    let guard = format!("{}_H", name.to_uppercase());
+    let include =
+        if included.starts_with("narx") { format!("\"{included}\"") } else { format!("<{included}>") };
+    let content = content.trim();
+    format!(
+        "{about}*/\n\n#ifndef {guard}\n#define {guard}\n\n#include {include}\n\n{content}\n\n#endif // {guard}\n"
+    )
+}
+
+/// Removes constants whose names are not of this header, with their comments: C does not know their values.
+/// The integer of an enumeration, which has no comment, gets one.
+fn without_strangers(text: &str) -> String {
     let mut lines: Vec<&str> = Vec::new();
     for line in text.lines() {
-        if line.starts_with("#define narx_") {
+        if line.starts_with("#define ") && !line.starts_with("#define NARX_") {
             while lines.pop_if(|comment| comment.starts_with("//")).is_some() {}
+        } else if line.starts_with("typedef ") && line.ends_with("_t;") {
+            lines.extend(["/// A value of the enumeration.", line]);
         } else if !(line.is_empty() && lines.last().is_none_or(|before| before.is_empty())) {
             lines.push(line);
         }
@@ -77,7 +108,7 @@ fn without_lists(text: &str) -> String {
 /// Renders the parameters' numbers as `NARX_PARAMETER_NAME`.
 fn numbers(root: &Path) -> Result<String, String> {
     let mut config = Config { no_includes: true, language: cbindgen::Language::C, ..Config::default() };
-    config.documentation_style = cbindgen::DocumentationStyle::C99;
+    config.documentation_style = cbindgen::DocumentationStyle::Cxx;
     config.export.prefix = Some(String::from("NARX_PARAMETER_"));
     text(Builder::new().with_config(config).with_src(root.join(NUMBERS)))
 }
@@ -86,5 +117,5 @@ fn text(builder: Builder) -> Result<String, String> {
     let bindings = builder.generate().map_err(|error| format!("cbindgen: {error}"))?;
     let mut bytes = Vec::new();
     bindings.write(&mut bytes);
-    String::from_utf8(bytes).map_err(|error| format!("{HEADER}: {error}"))
+    String::from_utf8(bytes).map_err(|error| format!("the C header: {error}"))
 }

@@ -62,11 +62,12 @@ fn fields(out: &mut String) {
     let most = messages().map(|message| message.fields().count()).max().unwrap_or(0);
     define(out, "Fields that a message has at most.", "FIELDS_MAX", most as u32);
     out.push_str(
-        "// The fields of a message: those of its own kind count. Raw numbers, with scale and unit beside each.\n\
-         typedef union narx_fields_t {\n    // In the order of their bits; a signed one as its bits.\n    \
+        "/// The fields of a message: those of its own kind count. Raw numbers, with scale and unit beside each.\n\
+         typedef union narx_fields_t {\n    /// In the order of their bits; a signed one as its bits.\n    \
          uint32_t raw[NARX_FIELDS_MAX];\n",
     );
     for message in messages().filter(|message| message.fields().next().is_some()) {
+        line(out, format_args!("    /// Fields of {}.", message_name(message)));
         out.push_str("    struct {\n");
         for field in message.fields() {
             let kind = if field.signed { "int32_t" } else { "uint32_t" };
@@ -98,11 +99,11 @@ fn about(field: &Field) -> String {
         Meaning::ParameterNumber => String::from("a NARX_PARAMETER_*"),
         Meaning::ParameterValue => String::from("its unit and scale: PROTOCOL.md"),
     };
-    if text.is_empty() { text } else { format!(" // {text}") }
+    if text.is_empty() { text } else { format!(" ///< {text}") }
 }
 
 fn enumeration(out: &mut String, about: &str, name: &str, values: impl Iterator<Item = (String, u32)>) {
-    line(out, format_args!("// {about}\ntypedef enum narx_{name}_t {{"));
+    line(out, format_args!("/// {about}\ntypedef enum narx_{name}_t {{"));
     for (name, value) in values {
         line(out, format_args!("    NARX_{name} = {value},"));
     }
@@ -111,7 +112,7 @@ fn enumeration(out: &mut String, about: &str, name: &str, values: impl Iterator<
 
 fn define(out: &mut String, about: &str, name: &str, value: u32) {
     let value = if value > 9 { format!("0x{value:X}u") } else { value.to_string() };
-    line(out, format_args!("// {about}\n#define NARX_{name} {value}\n"));
+    line(out, format_args!("/// {about}\n#define NARX_{name} {value}\n"));
 }
 
 /// Spells a name as a constant of C.

@@ -1,5 +1,5 @@
-//! Worth of an identification: motors that are not as their data sheet says, commissioned from the truth, from
-//! the sheet, and from what the drive has measured.
+//! Worth of an identification: motors that are not as their data sheet says, commissioned from the truth,
+//! from the sheet, and from what the drive has measured.
 
 use super::Trial;
 use crate::quality::motor::{self, Subject};
@@ -19,7 +19,7 @@ const SECONDS: f64 = 4.0;
 /// Largest error of the speed at its end, share of the set-point.
 const HOLDS: f64 = 0.005;
 
-/// Where the parameters come from.
+/// Sources of the parameters.
 const SOURCES: [&str; 3] = ["true data", "data sheet", "identification"];
 
 /// Measures this many motors, and prints a table of those that were identified, and one of the others.

@@ -1,5 +1,6 @@
-//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM
-//! FULL_WASM TRANSCRIPT_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
+//! Makes the JavaScript package of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM
+//! FULL_WASM TRANSCRIPT_WASM` fills `DIRECTORY/web`, for browsers and bundlers, and `DIRECTORY/node`, for
+//! Node, which reads the modules of `web`.
 //!
 //! | import | files | content |
 //! |---|---|---|
@@ -21,22 +22,9 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 use wasm_bindgen_cli_support::Bindgen;
 
-/// The package.json of a package, with its imports.
-const MANIFEST: &str = r#"{
-  "name": "narx",
-  "type": "module",
-  "exports": {
-    ".": { "types": "./narx.d.ts", "default": "./narx.js" },
-    "./core": { "types": "./core.d.ts", "default": "./core.js" },
-    "./lab": { "types": "./lab.d.ts", "default": "./lab.js" },
-    "./full": { "types": "./full.d.ts", "default": "./full.js" },
-    "./transcript": { "types": "./transcript.d.ts", "default": "./transcript.js" },
-    "./drive": { "types": "./drive.d.ts", "default": "./drive.js" },
-    "./script": { "types": "./script.d.ts", "default": "./script.js" },
-    "./*.wasm": "./*.wasm"
-  }
-}
-"#;
+/// The default export and `initSync` of the modules for Node, which are loaded by their import: a program
+/// that awaits the default export runs in both.
+const LOADED: &str = "\nexport const initSync = () => wasm;\nexport default async () => wasm;\n";
 
 /// Types of the full bench: those of the bench.
 const FULL: &str = "export * from \"./narx.js\";\nexport { default } from \"./narx.js\";\n";
@@ -47,25 +35,33 @@ fn main() -> anyhow::Result<()> {
         bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM TRANSCRIPT_WASM")
     };
     let (web, node) = (directory.join("web"), directory.join("node"));
-    for package in [&web, &node] {
-        // Removes all files of an earlier version.
-        if package.exists() {
-            fs::remove_dir_all(package).with_context(|| package.display().to_string())?;
-        }
+    // Removes all files of an earlier version.
+    if directory.exists() {
+        fs::remove_dir_all(directory).with_context(|| directory.display().to_string())?;
     }
     let modules = [("narx", bench), ("core", core), ("lab", lab), ("full", full), ("transcript", transcript)];
     for (name, wasm) in modules {
         bindgen(wasm, name)?.web(true)?.generate(&web)?;
-        bindgen(wasm, name)?.nodejs_module(true)?.generate(&node)?;
+        bindgen(wasm, name)?.nodejs_module(true)?.typescript(false).generate(&node)?;
+        one_copy(&node, name)?;
     }
-    for package in [&web, &node] {
-        append(&package.join("narx.d.ts"), &names::bench()?)?;
-        append(&package.join("core.d.ts"), &names::core()?)?;
-        append(&package.join("lab.d.ts"), &names::lab()?)?;
-        fs::write(package.join("full.d.ts"), FULL)?;
-        fs::write(package.join("package.json"), MANIFEST)?;
-    }
+    append(&web.join("narx.d.ts"), &names::bench()?)?;
+    append(&web.join("core.d.ts"), &names::core()?)?;
+    append(&web.join("lab.d.ts"), &names::lab()?)?;
+    fs::write(web.join("full.d.ts"), FULL)?;
     Ok(())
+}
+
+/// Lets a module for Node read the WebAssembly of the one for browsers, which is the same.
+fn one_copy(node: &Path, name: &str) -> anyhow::Result<()> {
+    let (script, module) = (node.join(format!("{name}.js")), format!("{name}_bg.wasm"));
+    let text = fs::read_to_string(&script)?;
+    let shared = text.replace(&module, &format!("../web/{module}"));
+    if shared == text || !text.contains("const wasm = ") && !text.contains("let wasm = ") {
+        bail!("{}: wasm-bindgen loads its module in another way than before", script.display());
+    }
+    fs::write(&script, shared + LOADED)?;
+    Ok(fs::remove_file(node.join(module))?)
 }
 
 fn bindgen(wasm: &Path, name: &str) -> anyhow::Result<Bindgen> {
@@ -77,6 +73,7 @@ fn bindgen(wasm: &Path, name: &str) -> anyhow::Result<Bindgen> {
 
 fn append(declarations: &Path, names: &str) -> anyhow::Result<()> {
     let text = fs::read_to_string(declarations)?;
-    fs::write(declarations, text + names)?;
+    // wasm-bindgen declares `Symbol.dispose`, which the library of ES2023 does not have.
+    fs::write(declarations, format!("/// <reference lib=\"esnext.disposable\" />\n{text}{names}"))?;
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::image::EMBEDDED;
 use crate::image::Image;
 use crate::replayer::{ARGUMENTS, Replayer};
 use crate::test::python;
-use crate::{hangs, instructions, others, proof, qemu, slots, small};
+use crate::{examples, hangs, instructions, others, proof, qemu, slots, small};
 use narx_report::steps::{self, Outcome, Step};
 use std::path::Path;
 use std::process::Command;
@@ -34,7 +34,12 @@ const BOARD_LINTS: [&str; 12] = [
 /// Steps in their order.
 pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
-        Step::command(root, "shell", "cargo", &["test", "--profile", "front", "-p", "narx-firmware"]),
+        Step::command(
+            root,
+            "shell",
+            "cargo",
+            &["test", "--profile", "front", "-p", "narx-board", "--features", "update"],
+        ),
         Step::new("emulator", firmware::emulator),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
         Step::command(root, "image lints", "cargo", &LINTS),
@@ -48,6 +53,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         ),
         Step::new("board", move || board::build(root).and_then(|_| board::regenerate(root, true))),
         Step::command(root, "board lints", "cargo", &BOARD_LINTS),
+        Step::new("examples", move || examples::regenerate(root, true)),
         Step::new("instructions", move || instructions::regenerate(root, true)),
         Step::new("other crates", move || others::check(root)),
         Step::new("proof", move || proof::regenerate(root, true)),

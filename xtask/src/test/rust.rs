@@ -32,6 +32,8 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
                 "narx-sim",
                 "-p",
                 "narx-boot",
+                "-p",
+                "narx-board",
                 "--no-default-features",
                 "--target",
                 EMBEDDED,

@@ -17,11 +17,11 @@ mod image {
     use narx_b_g431b_esc1::chip::tick::Tick;
     use narx_b_g431b_esc1::chip::{self, reset};
     use narx_b_g431b_esc1::flash_map::{HARDWARE, MAP, SIZE};
+    use narx_board::owned::Owned;
+    use narx_board::side::{BackgroundSide, TickSide};
     use narx_boot::{Inside, OneSlot, Server};
     use narx_core::bus::Frame;
     use narx_core::motor::PwmCommand;
-    use narx_firmware::board::{BackgroundSide, TickSide};
-    use narx_firmware::owned::Owned;
     use stm32_metapac::interrupt;
 
     /// The control interrupt's.

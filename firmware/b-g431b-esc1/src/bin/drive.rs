@@ -17,6 +17,8 @@ mod image {
     use narx_b_g431b_esc1::chip::tick::Tick;
     use narx_b_g431b_esc1::chip::{self, reset};
     use narx_b_g431b_esc1::flash_map::{HARDWARE, MAP, SIZE};
+    use narx_board::owned::Owned;
+    use narx_board::shell::{Background, Control, Progress};
     use narx_boot::{Inside, OneSlot, Server};
     use narx_core::bus::Frame;
     use narx_core::device::{self, ControlTick, Queues};
@@ -24,8 +26,6 @@ mod image {
     use narx_core::node::{Identity, ResetCause};
     use narx_core::scope::Memory;
     use narx_core::storage::{CodeFlash, FlashReply, FlashTask, Mailbox, Opened};
-    use narx_firmware::owned::Owned;
-    use narx_firmware::shell::{Background, Control, Progress};
     use static_cell::StaticCell;
     use stm32_metapac::interrupt;
 

@@ -5,11 +5,11 @@ use super::self_test::Tests;
 use super::{converter, fdcan, ports, reset, tick, watchdog};
 use crate::analog::{pin, reference_tap, temperature};
 use heapless::spsc::Consumer;
+use narx_board::side::BackgroundSide;
 use narx_boot::{Inside, Server};
 use narx_core::bus::{BusState, Frame};
 use narx_core::node::update::{SlotReply, SlotTask};
 use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
-use narx_firmware::board::BackgroundSide;
 use stm32_metapac::VREFINTCAL;
 
 /// State that the background owns.

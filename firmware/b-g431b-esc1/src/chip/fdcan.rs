@@ -5,8 +5,8 @@
 use super::wait_for;
 use crate::can::{BIT_RATE, BitTiming, CLOCK_HZ, bus_state, decode, encode};
 use heapless::spsc::Producer;
+use narx_board::owned::Owned;
 use narx_core::bus::{BusState, Frame};
-use narx_firmware::owned::Owned;
 use stm32_metapac::can::regs::{Ie, Ile, Ir, Nbtp, Rxfa, Rxgfc, Txbar, Txbc, Txbcr};
 use stm32_metapac::{FDCAN1, FDCANRAM1};
 

@@ -3,10 +3,10 @@
 
 use super::capture;
 use crate::analog::trip_code;
-use crate::bridge::{Gates, gates, pause, registers};
-use crate::timing::{DEAD_TIME, TOP, compare, dead_time_code, has_come, part, position, sample_compare};
+use crate::timing::{DEAD_TIME, TOP, compare, has_come, part, position, sample_compare};
+use narx_board::owned::Owned;
+use narx_board::stm32::{Gates, dead_time_code, gates, pause, registers};
 use narx_core::motor::{PwmCommand, Rectification, Step};
-use narx_firmware::owned::Owned;
 use stm32_metapac::comp::vals::Inm;
 use stm32_metapac::dac::vals::Mode;
 use stm32_metapac::timer::regs::{

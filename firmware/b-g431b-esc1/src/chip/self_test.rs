@@ -1,10 +1,10 @@
 //! Self-tests of the board: RAM at boot, and all the time its program, the end of its stack, and control
 //! ticks against the oscillator of 32 kHz, which has nothing in common with the crystal.
 
+use narx_board::self_test::clock::{TickMonitor, Tolerance};
+use narx_board::self_test::walk::Walk;
 use narx_core::node::SelfTests;
 use narx_firmware::boards::cortex_m;
-use narx_firmware::self_test::clock::{TickMonitor, Tolerance};
-use narx_firmware::self_test::walk::Walk;
 use stm32_metapac::rcc::vals::Lptimsel;
 use stm32_metapac::{LPTIM1, RCC};
 

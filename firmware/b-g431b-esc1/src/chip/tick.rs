@@ -4,13 +4,13 @@ use super::converter::{self, Codes};
 use super::power_stage::{BRIDGE, since_boundary};
 use super::{capture, ports};
 use crate::analog::{CURRENT_ZERO, SHUNT_ZERO, SHUNT_ZERO_TOLERANCE, bus_current, terminal};
-use crate::bridge::Gates;
 use crate::edges::Edges;
 use core::cell::Cell;
 use critical_section::Mutex;
+use narx_board::side::TickSide;
+use narx_board::stm32::Gates;
 use narx_core::motor::{CurrentMode, Lines, PwmCommand, SampleMode, Samples};
 use narx_core::units::Duty;
-use narx_firmware::board::TickSide;
 
 /// Control ticks since power-up, for the background.
 static NOW: Mutex<Cell<u64>> = Mutex::new(Cell::new(0));

@@ -23,7 +23,7 @@ mod vectors;
 pub mod watchdog;
 pub mod world;
 
-pub use crate::owned::Owned;
+pub use narx_board::owned::Owned;
 
 use panic_semihosting as _;
 

@@ -17,15 +17,17 @@ use crate::sizes;
 use build::Build::{self, For, Small};
 use narx_report::steps::output;
 use narx_report::steps::{self, Outcome, Step};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 /// Debian packages that the tests need.
-const PACKAGES: [Package; 13] = [
+const PACKAGES: [Package; 14] = [
     Package { name: "gcc", provides: "gcc" },
     Package { name: "g++", provides: "g++" },
     Package { name: "clang", provides: "clang" },
     Package { name: "cmake", provides: "cmake" },
+    Package { name: "doxygen", provides: "doxygen" },
     Package { name: "cppcheck", provides: "cppcheck" },
     Package { name: "make", provides: "make" },
     Package { name: "valgrind", provides: "valgrind" },
@@ -47,6 +49,8 @@ const BLOCKS: &str = "tests/c/blocks.c";
 const STORAGE: &str = "tests/c/storage.c";
 /// A drive that spins the simulated motor, commanded by a master.
 const SPIN: &str = "tests/c/spin.c";
+/// Its drive measures it, and is commissioned from what was measured.
+const IDENTIFY: &str = "tests/c/identify.c";
 /// The control tick alone turns it.
 const SPIN_ALONE: &str = "tests/c/spin_alone.c";
 /// Programs that check themselves: the tests, and the examples that are whole programs.
@@ -77,6 +81,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("C header", move || GENERATE.run(root, &["header", "--check"])),
         Step::new("C tools", || install::debian(&PACKAGES)),
+        Step::new("C documentation", move || documentation(root)),
         Step::new("C library", move || libraries(root)),
         Step::new("C programs", move || programs(root)),
         Step::new("C on x86-64", move || Ok([run(root, Build::Gcc)?, run(root, Build::Clang)?].concat())),
@@ -133,6 +138,18 @@ fn libraries(root: &Path) -> Outcome {
     BENCH.build(root, Some(CortexM4F))
 }
 
+/// Reads the headers with Doxygen, which fails on an item without documentation.
+fn documentation(root: &Path) -> Outcome {
+    let made = build::directory(root).join("doxygen");
+    fs::create_dir_all(&made).map_err(|error| format!("{}: {error}", made.display()))?;
+    let settings = root.join("ffi/package/Doxyfile");
+    let text = fs::read_to_string(&settings).map_err(|error| format!("{}: {error}", settings.display()))?;
+    let settings = made.join("Doxyfile");
+    fs::write(&settings, format!("{text}OUTPUT_DIRECTORY = {}\n", made.display()))
+        .map_err(|error| format!("{}: {error}", settings.display()))?;
+    steps::run(Command::new("doxygen").arg(&settings).current_dir(root.join("ffi")))
+}
+
 /// Runs the blocks' examples on the smallest machine, a real Cortex-M0 with 16 KB of RAM.
 fn microbit(root: &Path) -> Outcome {
     let program = build::directory(root).join("microbit");
@@ -153,7 +170,7 @@ fn spin(root: &Path) -> Outcome {
     let mut closing = Vec::new();
     let sensorless = ["--sensorless".to_owned()];
     for (source, arguments) in
-        [(SPIN, &[][..]), (SPIN, &sensorless), (SPIN_ALONE, &[]), (SPIN_ALONE, &sensorless)]
+        [(SPIN, &[][..]), (SPIN, &sensorless), (SPIN_ALONE, &[]), (SPIN_ALONE, &sensorless), (IDENTIFY, &[])]
     {
         let run = |build: Build| {
             let text = output(&mut build.start(root, source, arguments))?;
@@ -180,6 +197,7 @@ fn programs(root: &Path) -> Outcome {
     for build in [Build::Sanitized, For(CortexM4F)] {
         build.compile_on_bench(root, &[SPIN, "ffi/examples/drive.c"])?;
         build.compile_on_bench(root, &[SPIN_ALONE])?;
+        build.compile_on_bench(root, &[IDENTIFY])?;
     }
     let mut cpp = Command::new("g++");
     cpp.args(["-std=c++17", "-fsyntax-only", "-x", "c++"]).args(STRICT).arg(root.join("ffi/include/narx.h"));

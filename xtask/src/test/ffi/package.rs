@@ -15,7 +15,11 @@ use std::process::Command;
 pub(super) fn consumed(root: &Path, libraries: &[Released]) -> Outcome {
     let release = archive::lay_out(root, libraries)?;
     let program = built(root, &release, "x86_64", &[])?;
-    let lines = output(&mut Command::new(program))?;
+    let mut lines = output(&mut Command::new(program))?;
+    // The example that people copy.
+    let example = directory(root).join("consumer/example");
+    configured(&root.join("examples/cmake"), &example, &release, &[])?;
+    lines += &output(&mut Command::new(example.join("drive")))?;
     let processors = ["cortex-m4", "cortex-m0", "cortex-m33", "riscv32"];
     for (name, processor) in processors.into_iter().zip(Processor::ALL) {
         let flags = processor.options().join(" ");
@@ -39,16 +43,24 @@ pub(super) fn consumed(root: &Path, libraries: &[Released]) -> Outcome {
 /// Builds the consumer's program for a processor.
 fn built(root: &Path, release: &Path, processor: &str, options: &[String]) -> Result<PathBuf, String> {
     let folder = directory(root).join("consumer").join(processor);
-    // The results of the last search must not be used again.
-    let _ = fs::remove_dir_all(&folder);
-    let mut configure = Command::new("cmake");
-    configure.arg("-S").arg(root.join("tests/c/consumer")).arg("-B").arg(&folder).args(options);
-    configure.arg(format!("-DCMAKE_PREFIX_PATH={}", release.display()));
+    let mut options = options.to_vec();
     if processor != "x86_64" {
-        configure.args(["-DCMAKE_SYSTEM_NAME=Generic", "-DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY"]);
-        configure.arg(format!("-DCMAKE_SYSTEM_PROCESSOR={processor}"));
+        options.extend(
+            ["-DCMAKE_SYSTEM_NAME=Generic", "-DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY"]
+                .map(String::from),
+        );
+        options.push(format!("-DCMAKE_SYSTEM_PROCESSOR={processor}"));
     }
-    output(&mut configure)?;
-    output(Command::new("cmake").arg("--build").arg(&folder))?;
+    configured(&root.join("tests/c/consumer"), &folder, release, &options)?;
     Ok(folder.join("consumer"))
+}
+
+/// Builds the project in `source` against the release.
+fn configured(source: &Path, folder: &Path, release: &Path, options: &[String]) -> Result<(), String> {
+    // The results of the last search must not be used again.
+    let _ = fs::remove_dir_all(folder);
+    let mut configure = Command::new("cmake");
+    configure.arg("-S").arg(source).arg("-B").arg(folder).args(options);
+    output(configure.arg(format!("-DCMAKE_PREFIX_PATH={}", release.display())))?;
+    output(Command::new("cmake").arg("--build").arg(folder)).map(drop)
 }

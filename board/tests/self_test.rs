@@ -1,8 +1,8 @@
 //! The self-tests against memories and clocks that are broken in every way they claim to find.
 
-use narx_firmware::self_test::clock::{TickMonitor, Tolerance, agree};
-use narx_firmware::self_test::march::{Cells, march, march_keeping};
-use narx_firmware::self_test::walk::Walk;
+use narx_board::self_test::clock::{TickMonitor, Tolerance, agree};
+use narx_board::self_test::march::{Cells, march, march_keeping};
+use narx_board::self_test::walk::Walk;
 use proptest::prelude::*;
 
 /// Defect of a memory.

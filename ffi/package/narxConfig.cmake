@@ -34,12 +34,13 @@ if("${NARX_TARGET}" STREQUAL "" OR NOT EXISTS "${_narx_library}")
 endif()
 
 if(NOT TARGET narx::narx)
-    add_library(narx::narx STATIC IMPORTED)
+    # GLOBAL: FetchContent includes this file in a folder below the project's.
+    add_library(narx::narx STATIC IMPORTED GLOBAL)
     set_target_properties(narx::narx PROPERTIES
         IMPORTED_LOCATION "${_narx_library}"
         INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")
     if(EXISTS "${_narx_prefix}/lib/${NARX_TARGET}/libnarx-small.a")
-        add_library(narx::small STATIC IMPORTED)
+        add_library(narx::small STATIC IMPORTED GLOBAL)
         set_target_properties(narx::small PROPERTIES
             IMPORTED_LOCATION "${_narx_prefix}/lib/${NARX_TARGET}/libnarx-small.a"
             INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")

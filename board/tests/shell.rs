@@ -1,5 +1,7 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
+use narx_board::shell::{Background, Control, INPUTS_MS, Progress};
+use narx_board::side::{BackgroundSide, TickSide};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
@@ -10,8 +12,6 @@ use narx_core::motor::{Board, PwmCommand, Samples, Step};
 use narx_core::node::update;
 use narx_core::node::{Identity, Node, Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::storage::{FlashReply, FlashTask, Mailbox, Storage};
-use narx_firmware::board::{BackgroundSide, TickSide};
-use narx_firmware::shell::{Background, Control, INPUTS_MS, Progress};
 use narx_sim::flash::{Flash, KBYTE_512, finish};
 use std::cell::RefCell;
 use std::collections::VecDeque;

@@ -1,4 +1,4 @@
-//! Patterns of the bridge as words of TIM1's registers.
+//! Patterns of the bridge as words of an STM32's advanced timer: TIM1 or TIM8 with complementary outputs.
 //!
 //! | leg | compare mode | main output, high side | complementary output, low side |
 //! |---|---|---|---|
@@ -102,4 +102,16 @@ pub const fn registers([a, b, c]: [Gates; 3]) -> Registers {
         ccmr2: c.mode(),
         ccer: a.enables() | b.enables() << 4 | c.enables() << 8,
     }
+}
+
+/// The field DTG for a dead time of so many counts, rounded up (RM0440, TIM1_BDTR); `None` beyond 1008.
+pub const fn dead_time_code(counts: u16) -> Option<u8> {
+    let code = match counts {
+        0..=127 => counts,
+        128..=254 => 0x80 | (counts.div_ceil(2) - 64),
+        255..=504 => 0xC0 | (counts.div_ceil(8) - 32),
+        505..=1008 => 0xE0 | (counts.div_ceil(16) - 32),
+        _ => return None,
+    };
+    Some(code as u8)
 }

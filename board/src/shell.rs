@@ -1,6 +1,6 @@
 //! Code that all boards share: the control interrupt and the background loop, around the device's two halves.
 
-use crate::board::{BackgroundSide, TickSide};
+use crate::side::{BackgroundSide, TickSide};
 use core::pin::pin;
 use core::sync::atomic::{AtomicU8, Ordering};
 use core::task::{Context, Waker};
