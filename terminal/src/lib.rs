@@ -4,6 +4,7 @@
 
 pub mod demo;
 pub mod drive;
+mod motor;
 pub mod plot;
 pub mod setup;
 pub mod sign;

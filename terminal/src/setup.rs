@@ -1,9 +1,9 @@
 //! Set-up of the bench: motor, mode, supply, PWM rate and load, as typed and checked before anything runs.
 
+use crate::motor::NamedMotor;
 use clap::Args;
 use narx_core::commissioning::{Commissioning, Mode};
 use narx_core::motor::Board;
-use narx_sim::presets::{PRESETS, Preset, preset};
 use narx_sim::session::{SessionConfig, parse_board};
 use std::fmt;
 
@@ -12,13 +12,13 @@ use std::fmt;
 #[derive(Args, Clone, Debug)]
 #[group(skip)]
 pub struct Arguments {
-    /// Motor preset
+    /// Name of a preset, or a file of figures (.toml), as the identification of a motor saves it
     #[arg(long, default_value = "ec45-flat-50w-18v")]
     pub motor: String,
     /// Control mode: sensorless, hall or open-loop
     #[arg(long, default_value = "sensorless")]
     pub mode: String,
-    /// Supply voltage, V [default: the motor's nominal voltage]
+    /// Supply voltage, V [default: the preset's nominal voltage; 24 for a file]
     #[arg(long, allow_hyphen_values = true)]
     pub supply: Option<String>,
     /// PWM frequency, Hz; every period has one control tick
@@ -32,7 +32,7 @@ pub struct Arguments {
 /// A checked set-up of a bench.
 #[derive(Debug)]
 pub(crate) struct Setup {
-    pub(crate) preset: &'static Preset,
+    title: String,
     pub(crate) mode: Mode,
     pub(crate) supply: f64,
     pub(crate) load: f64,
@@ -55,27 +55,29 @@ impl std::error::Error for Refused {}
 
 impl Arguments {
     pub(crate) fn check(&self) -> Result<Setup, Refused> {
-        let preset = preset(&self.motor).ok_or_else(|| unknown_motor(&self.motor))?;
+        let named = NamedMotor::find(&self.motor)?;
         let mode = mode(&self.mode)?;
         let supply = match &self.supply {
             Some(text) => number("--supply", text, 18.0, 60.0, "V")?,
-            None => preset.data.nominal_voltage.clamp(18.0, 60.0),
+            None => named.nominal_voltage.clamp(18.0, 60.0),
         };
-        let mut session = SessionConfig::new(preset.motor, supply, mode);
-        session.rated_current = preset.data.rated_current;
+        let mut session = SessionConfig::new(named.motor, supply, mode);
+        session.rated_current = named.rated_current;
+        session.speed_max = named.speed_max;
+        session.hall_offset_deg = named.hall_offset_deg;
         session.board = board(&self.pwm_rate)?;
         let range = session.commission();
-        let range = range.map_err(|error| Refused(format!("--motor {}: {error}", preset.name)))?;
-        let torque = range.phase_current * preset.motor.torque_constant;
+        let range = range.map_err(|error| Refused(format!("--motor {}: {error}", self.motor)))?;
+        let torque = range.phase_current * named.motor.torque_constant;
         let load = number("--load", &self.load, 0.0, (torque * 1e4).floor() / 1e4, "N m")?;
         session.load.constant = load;
-        Ok(Setup { preset, mode, supply, load, range, session })
+        Ok(Setup { title: named.title, mode, supply, load, range, session })
     }
 }
 
 impl Setup {
-    pub(crate) fn title(&self) -> String {
-        format!("{} {}", self.preset.maker, self.preset.part)
+    pub(crate) fn title(&self) -> &str {
+        &self.title
     }
 
     pub(crate) fn mode_name(&self) -> &'static str {
@@ -96,11 +98,6 @@ impl Setup {
 /// Returns the board with this PWM rate.
 fn board(pwm_rate: &str) -> Result<Board, Refused> {
     parse_board(pwm_rate).map_err(|error| Refused(format!("--pwm-rate {pwm_rate}: {error}")))
-}
-
-fn unknown_motor(name: &str) -> Refused {
-    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-    Refused(format!("--motor {name}: unknown motor; one of {}", names.join(", ")))
 }
 
 fn mode(name: &str) -> Result<Mode, Refused> {

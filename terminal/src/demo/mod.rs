@@ -66,7 +66,7 @@ pub fn picture(arguments: &[&str]) -> Result<String, String> {
         start_when_due(&mut session, settings.rpm);
         session.step();
     }
-    let caption = Caption { title: &settings.title(), subtitle: &settings.subtitle() };
+    let caption = Caption { title: settings.title(), subtitle: &settings.subtitle() };
     plot::svg(&session.bench().trace(), None, &caption).map_err(|error| error.to_string())
 }
 
@@ -191,7 +191,7 @@ fn write_files(settings: &Settings, run: &Run<'_>) -> io::Result<()> {
     fs::create_dir_all(&settings.out)?;
     let file = |name: &str| settings.out.join(name);
     let trace = run.session.bench().trace();
-    let caption = Caption { title: &settings.title(), subtitle: &settings.subtitle() };
+    let caption = Caption { title: settings.title(), subtitle: &settings.subtitle() };
     let displacements = run.displacement.as_ref().map(Displacement::trace);
     let picture = plot::svg(&trace, displacements, &caption).map_err(io::Error::other)?;
     fs::write(file("run.svg"), picture)?;

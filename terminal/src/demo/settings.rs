@@ -64,7 +64,7 @@ impl Settings {
         }
         let commissioning = session.commission();
         let commissioning =
-            commissioning.map_err(|error| Refused(format!("--motor {}: {error}", setup.preset.name)))?;
+            commissioning.map_err(|error| Refused(format!("--motor {}: {error}", arguments.bench.motor)))?;
         let out = arguments.out.clone();
         let mut settings = Self { setup, mode, rpm, seconds, tx_drivers, out, commissioning, session };
         settings.session.label = settings.headline();
@@ -76,7 +76,7 @@ impl Settings {
         self.seconds * 0.75
     }
 
-    pub(super) fn title(&self) -> String {
+    pub(super) fn title(&self) -> &str {
         self.setup.title()
     }
 
@@ -123,7 +123,10 @@ mod tests {
     #[test]
     fn refusals() {
         let cases: [(&[&str], &str); 17] = [
-            (&["--motor", "mn7005"], "--motor mn7005: unknown motor; one of ec45"),
+            (
+                &["--motor", "mn7005"],
+                "--motor mn7005: unknown motor; a file of figures (.toml), or one of ec45",
+            ),
             (&["--supply", "12"], "--supply 12: must be a number from 18 to 60 V"),
             (&["--supply", "nan"], "--supply nan: must be"),
             (&["--supply", "-18"], "--supply -18: must be"),
