@@ -129,6 +129,8 @@ class Bench:
         so far.
         """
         seconds = given.seconds(seconds)
+        # A bar that would advance once says nothing.
+        progress = False if progress is None and seconds <= STRETCH else progress
         # Runs of two threads follow each other, each with its own rows.
         with self._running, Rows(self._bench, trace, signals, every, to) as rows, bar(seconds, "s", progress) as step:
             end = self.time + seconds

@@ -5,8 +5,8 @@ use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{PRESETS, preset};
 use std::fs;
 
-/// Supply of a motor whose nominal voltage is not known, V.
-const SUPPLY: f64 = 24.0;
+/// Supply of a motor whose nominal voltage is not known, V, as of `narx.Bench`.
+const SUPPLY: f64 = 48.0;
 
 /// A motor, and what a data sheet says of it.
 #[derive(Debug)]

@@ -18,7 +18,7 @@ pub struct Arguments {
     /// Control mode: sensorless, hall or open-loop
     #[arg(long, default_value = "sensorless")]
     pub mode: String,
-    /// Supply voltage, V [default: the preset's nominal voltage; 24 for a file]
+    /// Supply voltage, V [default: the preset's nominal voltage; 48 for a file]
     #[arg(long, allow_hyphen_values = true)]
     pub supply: Option<String>,
     /// PWM frequency, Hz; every period has one control tick
