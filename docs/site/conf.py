@@ -9,7 +9,7 @@ sys.path.insert(0, str(root / "python/docs"))
 from conf import *  # noqa: E402, F403 (the reference's own settings)
 
 extensions = [*extensions, "myst_nb"]  # noqa: F405
-templates_path = [str(root / "python/docs/templates")]
+templates_path = [str(root / "docs/site/templates"), str(root / "python/docs/templates")]
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".ipynb": "myst-nb"}
 # Everything else in the tree is what pages link to: such a file is copied.
 include_patterns = [

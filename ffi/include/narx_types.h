@@ -205,7 +205,7 @@ enum narx_status_t
     NARX_ERROR_SHORT = -47,
     /// The supply cannot hold its voltage under load.
     NARX_ERROR_SAGS = -48,
-    /// What was recorded fits no motor: something moves the shaft, or holds it.
+    /// The record fits no motor: something moves the shaft, or holds it.
     NARX_ERROR_UNSTEADY = -49,
     /// The terminals show no back-EMF: the rotor does not turn.
     NARX_ERROR_NO_BACK_EMF = -50,

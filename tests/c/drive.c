@@ -373,11 +373,11 @@ static void every_status_has_words(void)
     int32_t status;
 
     CHECK(strcmp(narx_version(), "") != 0);
-    for (status = NARX_NOTHING; status >= NARX_ERROR_PARAMETERS; status--) {
+    for (status = NARX_NOTHING; status >= NARX_ERROR_COMMISSIONING; status--) {
         CHECK(strcmp(narx_status_text(status), "unknown status") != 0);
     }
     CHECK(strcmp(narx_status_text(NARX_NOTHING + 1), "unknown status") == 0);
-    CHECK(strcmp(narx_status_text(NARX_ERROR_PARAMETERS - 1), "unknown status") == 0);
+    CHECK(strcmp(narx_status_text(NARX_ERROR_COMMISSIONING - 1), "unknown status") == 0);
     CHECK(strcmp(narx_status_text(INT32_MIN), "unknown status") == 0);
 }
 

@@ -23,6 +23,7 @@ PICTURES = {
     "06-field-log": 1,
     "07-shaft-displacement": 3,
     "08-sweep-on-dask": 1,
+    "09-motor-without-data-sheet": 3,
 }
 """Number of pictures that each notebook shows."""
 PLOTS = re.compile(r"\.(plot|subplots)\(")

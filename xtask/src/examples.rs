@@ -11,7 +11,7 @@ use std::process::{Command, ExitCode};
 use std::{fs, iter};
 
 /// Folders in `examples/`, each with its images.
-const EXAMPLES: [(&str, &[&str]); 1] = [("embassy-stm32", &["drive", "check"])];
+const EXAMPLES: [(&str, &[&str]); 2] = [("embassy-stm32", &["drive", "check"]), ("rtic", &["drive"])];
 
 const GOLDEN: &str = "tests/golden/examples.toml";
 const HEAD: &str = "\

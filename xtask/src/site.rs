@@ -1,6 +1,8 @@
-//! The documentation site: guide, protocol, evidence and Python reference as one set of pages with one
-//! search, and beside them the reference of the crates and the page.
+//! The documentation site: guide, protocol, evidence and Python reference as one set of pages; beside them
+//! the references of the crates, the C headers and the JavaScript package, and the page. One search.
 
+use crate::files::copy;
+use crate::test::ffi::doxygen;
 use crate::test::python;
 use crate::web;
 use narx_report::steps::{self, Outcome, Step, output};
@@ -18,7 +20,7 @@ pub(crate) struct Arguments {
     /// Show the notebooks without running them
     #[arg(long)]
     still: bool,
-    /// Leave out the page, which needs Node and the WebAssembly packages
+    /// Leave out the page and the JavaScript reference, which need Node
     #[arg(long)]
     without_page: bool,
 }
@@ -30,12 +32,17 @@ pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         Step::new("Python package", move || python::prepare(root).map(|_| Vec::new())),
         Step::new("guide", move || guide(root, still)),
         Step::new("crates", move || crates(root)),
+        Step::new("C headers", move || headers(root)),
     ];
     if !arguments.without_page {
         steps.extend(web::build(root));
-        steps.push(Step::new("page", move || copy(&root.join("wasm/web/dist"), &site(root).join("page"))));
+        steps.push(Step::new("page", move || {
+            copy(&root.join("wasm/web/dist"), &site(root).join("page")).map(|()| Vec::new())
+        }));
+        steps.push(Step::new("JavaScript", move || javascript(root)));
         steps.push(Step::new("links beside the guide", move || linked(root)));
     }
+    steps.push(Step::new("search", move || search(root)));
     steps::run_all(steps)
 }
 
@@ -74,7 +81,33 @@ fn crates(root: &Path) -> Outcome {
     cargo.args(CRATES.iter().flat_map(|name| ["-p", *name]));
     cargo.env("CARGO_TARGET_DIR", &made).env("RUSTDOCFLAGS", "-D warnings");
     steps::run(&mut cargo)?;
-    copy(&made.join("doc"), &site(root).join("rust"))
+    copy(&made.join("doc"), &site(root).join("rust"))?;
+    Ok(Vec::new())
+}
+
+/// Builds the reference of the C headers.
+fn headers(root: &Path) -> Outcome {
+    doxygen(root, &site(root), "HTML_OUTPUT = c\n")
+}
+
+/// Builds the reference of the JavaScript package from its type declarations; a link that leads nowhere is an
+/// error.
+fn javascript(root: &Path) -> Outcome {
+    let mut typedoc = Command::new("npx");
+    typedoc.args(["typedoc", "--options", "typedoc.json", "--out"]).arg(site(root).join("javascript"));
+    steps::run(typedoc.current_dir(root.join("wasm/web")))
+}
+
+/// Makes the index of the search from all pages but listings of sources.
+fn search(root: &Path) -> Outcome {
+    let mut command = Command::new(python::prepare(root)?);
+    command.args(["-m", "pagefind", "--quiet", "--site"]).arg(site(root));
+    command.args(["--exclude-selectors", "aside, .col-sidebar, #top, #side-nav, #nav-path"]);
+    command.args([
+        "--glob",
+        "{*.html,{docs,examples,python,ffi,board,tests,c,javascript,rust/narx_*}/**/*.html}",
+    ]);
+    steps::run(&mut command)
 }
 
 /// Checks the links from the first page to what was not built with it: all parts must be there.
@@ -86,16 +119,27 @@ fn linked(root: &Path) -> Outcome {
     if broken.is_empty() { Ok(Vec::new()) } else { Err(format!("no such page: {}", broken.join(", "))) }
 }
 
-/// Copies a file, or a folder with everything in it.
-fn copy(from: &Path, to: &Path) -> Outcome {
-    let failed = |error| format!("{}: {error}", from.display());
-    if from.is_dir() {
-        for entry in fs::read_dir(from).map_err(failed)?.flatten() {
-            copy(&entry.path(), &to.join(entry.file_name()))?;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files;
+
+    /// Sphinx finds this out too, but takes minutes.
+    #[test]
+    fn every_page_is_in_the_index() {
+        let root = narx_report::root();
+        let index = files::read(&root.join("docs/site/index.md")).unwrap();
+        let mut folders = vec!["docs".to_owned()];
+        let examples = fs::read_dir(root.join("examples")).unwrap().flatten();
+        folders.extend(examples.map(|example| format!("examples/{}", example.file_name().display())));
+        for folder in folders.iter().filter(|folder| root.join(folder).is_dir()) {
+            for page in fs::read_dir(root.join(folder)).unwrap().flatten() {
+                let path = page.path();
+                if path.extension().is_some_and(|kind| kind == "md") {
+                    let line = format!("\n{folder}/{}\n", path.file_stem().unwrap_or_default().display());
+                    assert!(index.contains(&line), "{} is in no table of contents", path.display());
+                }
+            }
         }
-    } else {
-        fs::create_dir_all(to.parent().unwrap_or(to)).map_err(failed)?;
-        fs::copy(from, to).map_err(failed)?;
     }
-    Ok(Vec::new())
 }

@@ -74,7 +74,8 @@ impl Motor {
     /// margin. speed_min: slowest set-point, mechanical rpm, where the margin is smallest.
     ///
     /// # Errors
-    /// A figure of the motor or a speed that is no positive number, and a bandwidth that leaves less margin, with the largest one.
+    /// A figure of the motor or a speed that is no positive number; a bandwidth that leaves less margin, with
+    /// the largest one that does not.
     pub fn speed_loop(&self, speed_min: f64, bandwidth: Option<f64>) -> Result<SpeedLoop, TuningError> {
         if let Some((name, value)) = not_positive(self.positive().into_iter()) {
             return Err(TuningError::Motor { name, value });

@@ -1,4 +1,4 @@
-//! narx's frames and embassy's, in two tasks around the controller.
+//! narx's frames and embassy's, for two tasks around the controller.
 
 use embassy_stm32::can::enums::BusErrorMode;
 use embassy_stm32::can::{CanRx, CanTx, Frame as CanFrame, Properties};
@@ -24,7 +24,6 @@ fn convert<A: embedded_can::Frame, B: embedded_can::Frame>(frame: &A) -> Option<
 }
 
 /// Receives for ever.
-#[embassy_executor::task]
 pub async fn receive(mut bus: CanRx<'static>) -> ! {
     loop {
         // An error on the bus is in the controller's state, which the node reads.
@@ -37,7 +36,6 @@ pub async fn receive(mut bus: CanRx<'static>) -> ! {
 }
 
 /// Sends for ever.
-#[embassy_executor::task]
 pub async fn send(mut bus: CanTx<'static>) -> ! {
     loop {
         if let Some(frame) = convert::<_, CanFrame>(&LEAVING.receive().await) {

@@ -231,7 +231,7 @@ fn platformio(user: &User) -> Outcome {
     user.copy("tests/c/platformio/platformio.ini", "platformio.ini")?;
     user.copy("tests/c/platformio/platform", "platform")?;
     user.copy("tests/c/platformio/tool", ".platformio/packages/tool-scons")?;
-    user.copy("tests/c/consumer/main.c", "src/main.c")?;
+    user.copy("examples/platformio/src", "src")?;
     let mut run = user.call(user.home.join("environment/bin/pio"), &["run"]);
     let said = output(run.env("ARCHIVE", user.artefact(&format!("c/narx-c-{VERSION}.tar.gz"))))?;
     let summary = said.lines().filter(|line| line.contains("SUCCESS   "));
@@ -249,12 +249,15 @@ fn zephyr(user: &User) -> Outcome {
     let module = format!("narx-{VERSION}/zephyr");
     let options = format!("import kconfiglib; print(*kconfiglib.Kconfig('{module}/Kconfig').syms)");
     let mut lines = user.prints(&python, &["-c", &options], "NARX_SMALL")?;
-    user.copy("tests/c/consumer/main.c", "main.c")?;
-    user.copy("tests/c/zephyr/CMakeLists.txt", "CMakeLists.txt")?;
+    user.copy("examples/zephyr", "example")?;
+    user.copy("tests/c/zephyr", ".")?;
     let processor = Processor::CortexM4F;
     let flags = format!("-DCMAKE_C_FLAGS={} {}", processor.options().join(" "), processor.library());
     let compiler = format!("-DCMAKE_C_COMPILER={}", processor.tool("gcc"));
-    output(&mut user.call("cmake", &["-B", "build", &format!("-DMODULE={module}"), &flags, &compiler]))?;
+    output(&mut user.call(
+        "cmake",
+        &["-B", "build", &format!("-DMODULE={module}"), "-DEXAMPLE=example", &flags, &compiler],
+    ))?;
     output(&mut user.call("cmake", &["--build", "build"]))?;
     lines.push(format!("links for {}", processor.target()));
     Ok(lines)

@@ -20,6 +20,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
                 "drive",
                 "described",
                 "core",
+                "example",
                 "identification",
                 "full",
                 "size",

@@ -9,7 +9,7 @@ mod image {
     use core::cell::RefCell;
     use embassy_embedded_hal::flash::partition::BlockingPartition;
     use embassy_executor::Spawner;
-    use embassy_stm32::can::{self, CanConfigurator};
+    use embassy_stm32::can::{self, CanConfigurator, CanRx, CanTx};
     use embassy_stm32::flash::{Blocking, Flash, MAX_ERASE_SIZE};
     use embassy_stm32::interrupt;
     use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -108,9 +108,19 @@ mod image {
             interrupt::ADC1_2.enable();
         }
         bridge::run();
-        spawner.spawn(frames::receive(receiver).expect("the first"));
-        spawner.spawn(frames::send(sender).expect("the first"));
+        spawner.spawn(receive(receiver).expect("the first"));
+        spawner.spawn(send(sender).expect("the first"));
         spawner.spawn(node(background, mailbox, storage).expect("the first"));
+    }
+
+    #[embassy_executor::task]
+    async fn receive(bus: CanRx<'static>) -> ! {
+        frames::receive(bus).await
+    }
+
+    #[embassy_executor::task]
+    async fn send(bus: CanTx<'static>) -> ! {
+        frames::send(bus).await
     }
 
     /// The node, every 200 us, and the flash between two passes.

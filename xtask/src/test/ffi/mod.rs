@@ -53,6 +53,13 @@ const SPIN: &str = "tests/c/spin.c";
 const IDENTIFY: &str = "tests/c/identify.c";
 /// The control tick alone turns it.
 const SPIN_ALONE: &str = "tests/c/spin_alone.c";
+/// Sources of examples for other build systems.
+const COPIED: [&str; 4] = [
+    "examples/platformio/src/main.c",
+    "examples/platformio/src/board.c",
+    "examples/zephyr/src/main.c",
+    "examples/zephyr/src/board.c",
+];
 /// Programs that check themselves: the tests, and the examples that are whole programs.
 const CHECKS: [&str; 17] = [
     DRIVE,
@@ -81,7 +88,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("C header", move || GENERATE.run(root, &["header", "--check"])),
         Step::new("C tools", || install::debian(&PACKAGES)),
-        Step::new("C documentation", move || documentation(root)),
+        Step::new("C documentation", move || doxygen(root, &build::directory(root).join("doxygen"), "")),
         Step::new("C library", move || libraries(root)),
         Step::new("C programs", move || programs(root)),
         Step::new("C on x86-64", move || Ok([run(root, Build::Gcc)?, run(root, Build::Clang)?].concat())),
@@ -138,14 +145,18 @@ fn libraries(root: &Path) -> Outcome {
     BENCH.build(root, Some(CortexM4F))
 }
 
-/// Reads the headers with Doxygen, which fails on an item without documentation.
-fn documentation(root: &Path) -> Outcome {
-    let made = build::directory(root).join("doxygen");
-    fs::create_dir_all(&made).map_err(|error| format!("{}: {error}", made.display()))?;
+/// Makes the documentation of the headers in the folder `made`, with further settings.
+///
+/// # Errors
+/// An item without documentation, or what Doxygen says.
+pub(crate) fn doxygen(root: &Path, made: &Path, further: &str) -> Outcome {
     let settings = root.join("ffi/package/Doxyfile");
     let text = fs::read_to_string(&settings).map_err(|error| format!("{}: {error}", settings.display()))?;
-    let settings = made.join("Doxyfile");
-    fs::write(&settings, format!("{text}OUTPUT_DIRECTORY = {}\n", made.display()))
+    let settings = build::directory(root).join("Doxyfile");
+    for folder in [made, &build::directory(root)] {
+        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    fs::write(&settings, format!("{text}OUTPUT_DIRECTORY = {}\n{further}", made.display()))
         .map_err(|error| format!("{}: {error}", settings.display()))?;
     steps::run(Command::new("doxygen").arg(&settings).current_dir(root.join("ffi")))
 }
@@ -185,7 +196,7 @@ fn spin(root: &Path) -> Outcome {
     Ok(closing)
 }
 
-/// Builds every program, and compiles the header as C++.
+/// Builds every program, compiles the examples that people copy, and the header as C++.
 fn programs(root: &Path) -> Outcome {
     build::made_directory(root)?;
     for build in Build::all() {
@@ -199,6 +210,12 @@ fn programs(root: &Path) -> Outcome {
         build.compile_on_bench(root, &[SPIN_ALONE])?;
         build.compile_on_bench(root, &[IDENTIFY])?;
     }
+    let mut copied = Command::new("gcc");
+    copied.args(["-std=c99", "-fsyntax-only"]).args(STRICT);
+    for folder in ["ffi/include", "tests/c/zephyr/include"] {
+        copied.arg("-I").arg(root.join(folder));
+    }
+    steps::run(copied.args(COPIED.map(|source| root.join(source))))?;
     let mut cpp = Command::new("g++");
     cpp.args(["-std=c++17", "-fsyntax-only", "-x", "c++"]).args(STRICT).arg(root.join("ffi/include/narx.h"));
     steps::run(&mut cpp)
