@@ -9,6 +9,7 @@
 
 use super::{CommissioningError, Motor, TWO_PI, not_positive, write};
 use crate::dictionary::{Parameters, number};
+use crate::shown::Shown;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use core::fmt;
 
@@ -57,13 +58,20 @@ pub enum TuningError {
 
 impl fmt::Display for TuningError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Motor { name, value } => write!(f, "motor {name} {value} must be greater than 0"),
-            Self::Speed(value) => write!(f, "slowest set-point {value} rpm: must be greater than 0"),
+        match *self {
+            Self::Motor { name, value } => {
+                write!(f, "motor {name} {} must be greater than 0", Shown::Plain(value))
+            }
+            Self::Speed(value) => {
+                write!(f, "slowest set-point {} rpm: must be greater than 0", Shown::Plain(value))
+            }
             Self::Bandwidth { value, most, speed_min } => write!(
                 f,
-                "bandwidth {value} Hz: must be greater than 0, and at most {most:.2} Hz where set-points begin \
-                 at {speed_min} rpm; more leaves less than 60 degrees of phase margin, or meets the current limiter"
+                "bandwidth {} Hz: must be greater than 0, and at most {} Hz where set-points begin \
+                 at {} rpm; more leaves less than 60 degrees of phase margin, or meets the current limiter",
+                Shown::Plain(value),
+                Shown::Rounded(most, 2),
+                Shown::Plain(speed_min)
             ),
         }
     }

@@ -153,7 +153,8 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
         let last = before.replace(terminals).unwrap_or(terminals);
         let step = (lead(&last, present) + lead(&terminals, present)) / 2.0 * record.interval;
         if highest != present && crossed.is_none_or(|(other, ..)| other != highest) {
-            let (was, is) = (last[present] - last[highest], terminals[highest] - terminals[present]);
+            let (was, is) =
+                (of(&last, present) - of(&last, highest), of(&terminals, highest) - of(&terminals, present));
             let share = was / fmax(was + is, 1e-9);
             let at = time - (1.0 - share) * record.interval;
             // Up to the crossing the difference falls to 0.
@@ -165,7 +166,7 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
         if highest == present {
             // It was noise.
             crossed = None;
-        } else if terminals[other] - terminals[present] > CLEAR {
+        } else if of(&terminals, other) - of(&terminals, present) > CLEAR {
             let turned = (other + 3 - present) % 3;
             if *sense.get_or_insert(turned) != turned || (begun.is_some() && samples < SAMPLES) {
                 break;
@@ -179,7 +180,7 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
             }
             (begun, top, crossed, samples) = (Some(at), Some(other), None, 0);
             // From the crossing on the difference rises from 0.
-            let above = terminals[other] - second(&terminals, other);
+            let above = of(&terminals, other) - second(&terminals, other);
             area = above * (time - at) / 2.0;
         }
     }
@@ -200,12 +201,17 @@ fn largest(terminals: &[f64; 3]) -> usize {
     }
 }
 
+/// The voltage of a terminal, counted round.
+const fn of(terminals: &[f64; 3], terminal: usize) -> f64 {
+    terminals[terminal % 3]
+}
+
 /// The second highest, if `top` is the highest.
 fn second(terminals: &[f64; 3], top: usize) -> f64 {
-    fmax(terminals[(top + 1) % 3], terminals[(top + 2) % 3])
+    fmax(of(terminals, top + 1), of(terminals, top + 2))
 }
 
 /// Voltage by which `top` is above the other two; 0 once another one is.
 fn lead(terminals: &[f64; 3], top: usize) -> f64 {
-    fmax(terminals[top] - second(terminals, top), 0.0)
+    fmax(of(terminals, top) - second(terminals, top), 0.0)
 }

@@ -145,8 +145,8 @@ impl Pulses {
 /// R and L of several levels; `None` where they fit no winding. period: of the PWM, s.
 pub(super) fn solve(locks: &[Lock], period: f64) -> Option<Winding> {
     let strongest = locks.iter().map(|lock| lock.current * lock.voltage).fold(0.0, fmax);
-    let used: Vec<Lock, 8> =
-        locks.iter().filter(|lock| lock.current * lock.voltage > 0.02 * strongest).copied().collect();
+    let mut used = Vec::<Lock, 8>::from_slice(locks).ok()?;
+    used.retain(|lock| lock.current * lock.voltage > 0.02 * strongest);
     // From a long time constant on, in turns: R for this L, L for this R.
     let mut winding = Winding { resistance: 0.0, inductance: 0.0, lost: 0.0, spread: (0.0, 0.0) };
     let mut constant = 10.0 * period;
