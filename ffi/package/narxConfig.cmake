@@ -2,15 +2,17 @@
 # narx::small, the same in less flash and with slower ticks.
 #
 #   NARX_TARGET    selects the library by Rust's name of its target: a folder of lib/. Without it
-#                  CMAKE_SYSTEM_PROCESSOR selects: cortex-m0, m0plus, m1, m3 and m23; cortex-m4 and m7, and
-#                  cortex-m33, m35p, m55 and m85 (these with floating point in hardware); riscv32; or this
-#                  machine.
+#                  CMAKE_SYSTEM_PROCESSOR selects: cortex-m0, m0plus, m1 and m23; cortex-m3; cortex-m4 and
+#                  m7, and cortex-m33, m35p, m55 and m85 (these with floating point in hardware); riscv32;
+#                  or this machine. Without floating point these take thumbv7m-none-eabi.
 
 get_filename_component(_narx_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 
 if(NOT DEFINED NARX_TARGET)
-    if(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m(0|0plus|1|3|23)$")
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m(0|0plus|1|23)$")
         set(NARX_TARGET thumbv6m-none-eabi)
+    elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m3$")
+        set(NARX_TARGET thumbv7m-none-eabi)
     elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m[47]")
         set(NARX_TARGET thumbv7em-none-eabihf)
     elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m(33|35p|55|85)")

@@ -7,7 +7,8 @@ from pathlib import Path
 Import("env", "projenv")  # noqa: F821
 
 TARGETS = {
-    "thumbv6m-none-eabi": ("cortex-m0", "cortex-m0plus", "cortex-m1", "cortex-m3", "cortex-m23"),
+    "thumbv6m-none-eabi": ("cortex-m0", "cortex-m0plus", "cortex-m1", "cortex-m23"),
+    "thumbv7m-none-eabi": ("cortex-m3",),
     "thumbv7em-none-eabihf": ("cortex-m4", "cortex-m7"),
     "thumbv8m.main-none-eabihf": ("cortex-m33", "cortex-m35p", "cortex-m55", "cortex-m85"),
     "x86_64-unknown-linux-gnu": ("x86_64",),

@@ -29,7 +29,8 @@ export type Input = { readonly tick: number } & (
 
 /** A call without its tick. */
 export type Call = Untimed<Input>;
-type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
+/** Each of these inputs without its tick. */
+export type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
 /** Everything that determines the bits of a bench. It can be passed through `JSON.stringify`. */
 export interface Script {

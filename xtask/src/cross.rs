@@ -30,17 +30,19 @@ pub(crate) enum Processor {
     CortexM4F,
     /// A Cortex-M0: no floating point, no division, no compare-and-swap.
     CortexM0,
+    /// A Cortex-M3, and all above it without floating point.
+    CortexM3,
     /// A Cortex-M33 with floating point.
     CortexM33F,
     /// RISC-V, 32 bits: multiplication, atomics and compressed instructions; no floating point.
     Rv32Imac,
 }
 
-use Processor::{CortexM0, CortexM4F, CortexM33F, Rv32Imac};
+use Processor::{CortexM0, CortexM3, CortexM4F, CortexM33F, Rv32Imac};
 
 impl Processor {
     /// All processors.
-    pub(crate) const ALL: [Self; 4] = [CortexM4F, CortexM0, CortexM33F, Rv32Imac];
+    pub(crate) const ALL: [Self; 5] = [CortexM4F, CortexM0, CortexM3, CortexM33F, Rv32Imac];
     /// Processors whose code is measured: one with all that a control tick can use, and one with the least.
     pub(crate) const MEASURED: [Self; 2] = [CortexM4F, CortexM0];
 
@@ -49,6 +51,7 @@ impl Processor {
         match self {
             CortexM4F => "thumbv7em-none-eabihf",
             CortexM0 => "thumbv6m-none-eabi",
+            CortexM3 => "thumbv7m-none-eabi",
             CortexM33F => "thumbv8m.main-none-eabihf",
             Rv32Imac => "riscv32imac-unknown-none-elf",
         }
@@ -59,6 +62,7 @@ impl Processor {
         match self {
             CortexM4F => &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
             CortexM0 => &["-mcpu=cortex-m0", "-mthumb", "-mfloat-abi=soft"],
+            CortexM3 => &["-mcpu=cortex-m3", "-mthumb", "-mfloat-abi=soft"],
             CortexM33F => &["-mcpu=cortex-m33", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16"],
             Rv32Imac => &["-march=rv32imac", "-mabi=ilp32"],
         }
@@ -67,7 +71,7 @@ impl Processor {
     /// Options that link its C library for a program that has nothing to do with an emulator.
     pub(crate) const fn library(self) -> &'static str {
         match self {
-            CortexM4F | CortexM0 | CortexM33F => "--specs=nosys.specs",
+            CortexM4F | CortexM0 | CortexM3 | CortexM33F => "--specs=nosys.specs",
             Rv32Imac => "--specs=picolibc.specs --oslib=dummyhost",
         }
     }
@@ -75,7 +79,7 @@ impl Processor {
     /// Name of one of its tools: "gcc", "strip".
     pub(crate) fn tool(self, name: &str) -> String {
         match self {
-            CortexM4F | CortexM0 | CortexM33F => format!("arm-none-eabi-{name}"),
+            CortexM4F | CortexM0 | CortexM3 | CortexM33F => format!("arm-none-eabi-{name}"),
             Rv32Imac => format!("riscv64-unknown-elf-{name}"),
         }
     }
@@ -83,7 +87,7 @@ impl Processor {
     /// Machine with room for every program that runs its code.
     pub(crate) const fn machine(self) -> Machine {
         match self {
-            CortexM4F | CortexM0 => Machine::Mps2M4,
+            CortexM4F | CortexM0 | CortexM3 => Machine::Mps2M4,
             CortexM33F => Machine::Mps2M33,
             Rv32Imac => Machine::RiscvVirt,
         }
@@ -103,7 +107,9 @@ pub(crate) fn compiler_for(root: &Path, processor: Processor, machine: Machine) 
     command.args(processor.options()).arg("-Wl,--gc-sections,-z,noexecstack");
     command.arg("-L").arg(&start).arg("-T").arg(start.join(machine.memory())).arg(start.join("start.c"));
     match processor {
-        CortexM4F | CortexM0 | CortexM33F => command.arg("--specs=rdimon.specs").arg(start.join("arm.c")),
+        CortexM4F | CortexM0 | CortexM3 | CortexM33F => {
+            command.arg("--specs=rdimon.specs").arg(start.join("arm.c"))
+        }
         Rv32Imac => command
             .args(["--specs=picolibc.specs", "-nostartfiles", "--oslib=semihost"])
             .arg(start.join("riscv.c")),

@@ -6,7 +6,7 @@ mod package;
 mod threads;
 mod watched;
 
-use crate::cross::Processor::{CortexM0, CortexM4F, CortexM33F, Rv32Imac};
+use crate::cross::Processor::{CortexM0, CortexM3, CortexM4F, CortexM33F, Rv32Imac};
 use crate::cross::{self, STRICT};
 use crate::install::{self, Package};
 use crate::library::{self, BENCH, Released, SMALL};
@@ -100,6 +100,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("C halves in Miri", move || threads::interpreted(root)),
         Step::new("C on Cortex-M4F", move || run(root, For(CortexM4F))),
         Step::new("C on Cortex-M0", move || Ok([run(root, For(CortexM0))?, microbit(root)?].concat())),
+        Step::new("C on Cortex-M3", move || run(root, For(CortexM3))),
         Step::new("C on Cortex-M33F", move || run(root, For(CortexM33F))),
         Step::new("C on RISC-V", move || run(root, For(Rv32Imac))),
         Step::new("C spins a motor", move || spin(root)),
@@ -125,6 +126,7 @@ pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
         replayer("C Cortex-M4F", For(CortexM4F)),
         replayer("C Cortex-M4F small", Small),
         replayer("C Cortex-M0", For(CortexM0)),
+        replayer("C Cortex-M3", For(CortexM3)),
         replayer("C Cortex-M33F", For(CortexM33F)),
         replayer("C RV32IMAC", For(Rv32Imac)),
     ]

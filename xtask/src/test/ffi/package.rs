@@ -20,7 +20,7 @@ pub(super) fn consumed(root: &Path, libraries: &[Released]) -> Outcome {
     let example = directory(root).join("consumer/example");
     configured(&root.join("examples/cmake"), &example, &release, &[])?;
     lines += &output(&mut Command::new(example.join("drive")))?;
-    let processors = ["cortex-m4", "cortex-m0", "cortex-m33", "riscv32"];
+    let processors = ["cortex-m4", "cortex-m0", "cortex-m3", "cortex-m33", "riscv32"];
     for (name, processor) in processors.into_iter().zip(Processor::ALL) {
         let flags = processor.options().join(" ");
         built(
