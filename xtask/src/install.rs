@@ -117,14 +117,16 @@ pub(crate) fn cargo_program(name: &str, version: &str) -> steps::Outcome {
 /// # Errors
 /// Fails with the message of Python or pip.
 pub(crate) fn python_environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
-    let python = directory.join("bin/python");
+    let (name, program) =
+        if cfg!(windows) { ("python", "Scripts/python.exe") } else { ("python3", "bin/python") };
+    let python = directory.join(program);
     let wanted =
         fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
     let stamp = directory.join("installed.txt");
     if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) && python.exists() {
         return Ok(python);
     }
-    let create = || steps::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(directory));
+    let create = || steps::run(Command::new(name).args(["-m", "venv", "--clear"]).arg(directory));
     // Debian ships Python without the module that makes environments.
     create().or_else(|reason| {
         let venv = Package { name: "python3-venv", provides: "a module that only trying shows" };

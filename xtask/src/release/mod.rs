@@ -30,6 +30,9 @@ pub(crate) struct Arguments {
     /// Use each artefact of the folder as its user gets it, without Rust and without the working copy
     #[arg(long, conflicts_with = "check")]
     test: bool,
+    /// Build the Python wheel of this machine alone, on Windows and macOS, for which Linux cannot build one
+    #[arg(long, conflicts_with_all = ["check", "test"])]
+    wheel: bool,
 }
 
 /// Runs `cargo xtask release`.
@@ -43,6 +46,9 @@ pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     if arguments.check {
         return steps::finish(check(root, &out));
     }
+    if arguments.wheel {
+        return steps::finish(wheel(root, &out));
+    }
     // The default folder has nothing but releases; another one may have anything.
     if arguments.out.is_some() && out.exists() {
         return steps::finish(Err(format!(
@@ -55,6 +61,21 @@ pub(crate) fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         Err(reason) => return steps::finish(Err(reason)),
     };
     steps::run_all(maker.steps())
+}
+
+/// Builds the wheel of this machine.
+fn wheel(root: &Path, out: &Path) -> Outcome {
+    let mut maturin = Command::new(tools(root)?);
+    maturin.args(["-m", "maturin", "build", "--locked", "--release", "--strip", "--out"]);
+    steps::run(maturin.arg(out.join("python")).current_dir(root.join("python")))
+}
+
+/// Returns the interpreter of the environment with the tools that build for Python.
+fn tools(root: &Path) -> Result<PathBuf, String> {
+    install::python_environment(
+        &target_directory(root).join("release-tools"),
+        &root.join("xtask/src/release/requirements.txt"),
+    )
 }
 
 /// Maker of the artefacts: its folders, and the environment of its programs.
@@ -76,10 +97,7 @@ impl<'a> Maker<'a> {
         if !changed.is_empty() {
             return Err(format!("a release is made of a commit, and these files differ from it:\n{changed}"));
         }
-        let tools = install::python_environment(
-            &target_directory(root).join("release-tools"),
-            &root.join("xtask/src/release/requirements.txt"),
-        )?;
+        let tools = tools(root)?;
         let built = target_directory(root).join("releasing");
         let paths = env::var_os("PATH").unwrap_or_default();
         let tools = tools.parent().map(Path::to_path_buf).unwrap_or_default();
