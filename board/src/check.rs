@@ -12,8 +12,8 @@
 //!   six locks      current sign, hall lines, hall wiring    with a motor whose shaft is free
 //! ```
 //!
-//! The same machine runs on the host, with a simulated motor as its board: `tests/check.rs` of this package.
-//! What needs a second clock, the PWM rate, is [`pwm_rate`].
+//! On the host `tests/check.rs` of this package runs the check with a simulated motor as its board. The PWM
+//! rate needs a second clock: [`pwm_rate`] checks it.
 
 use core::fmt;
 use narx_core::motor::commutate::commutation::LOCKS;
@@ -117,7 +117,7 @@ impl Check {
     }
 }
 
-/// What a check has measured.
+/// Measurements of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// Property that was compared.
@@ -175,7 +175,7 @@ pub const fn pwm_rate(board: &Board, ticks: u32, elapsed_us: u32) -> Finding {
     Finding { check: Check::PwmRate, phase: None, measured, expected, tolerance: board.tick_rate / 50 }
 }
 
-/// What the check cannot measure by itself.
+/// Facts that the check cannot measure by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Given {
     /// Bus voltage by a meter.
@@ -184,7 +184,7 @@ pub struct Given {
     pub duty: Duty,
     /// Bus current beyond which the bridge is turned off at once.
     pub current_max: Amps,
-    /// Whether a motor with hall sensors is connected and its shaft is free.
+    /// A motor with hall sensors is connected and its shaft is free.
     pub motor: bool,
 }
 
@@ -193,7 +193,8 @@ pub struct Given {
 pub enum GivenError {
     /// The description is not plausible ([`Board::is_plausible`]).
     Board,
-    /// The duty, 1/32 768, is not between three times the dead time and a quarter: given, smallest and largest.
+    /// The duty, 1/32 768, is not between three times the dead time and a quarter: given, smallest and
+    /// largest.
     Duty(u16, u16, u16),
 }
 

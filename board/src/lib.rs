@@ -1,4 +1,4 @@
-//! What a board implements to carry the narx drive, and the code around it that all boards share.
+//! The traits that a board implements to carry the narx drive, and the code that all boards share.
 //!
 //! ```text
 //!   control interrupt, highest priority         background loop or task

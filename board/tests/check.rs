@@ -122,7 +122,7 @@ fn each_mistake_is_named() {
     assert_eq!(found.check, Check::BusVoltage);
     assert!((25_100..25_300).contains(&found.measured), "{found}");
 
-    // The same of the terminals.
+    // Likewise the terminals.
     let mut board = Board::BENCH;
     board.front_end.phase_voltage = wrong(board.front_end.phase_voltage, 20_508);
     let found = Bench { described: board, ..Bench::default() }.mistake();

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms of the workspace that hold Rust code.
-const ROOMS: [&str; 13] = [
-    "core", "boot", "sim", "lab", "ffi", "python", "wasm", "firmware", "terminal", "generate", "report",
-    "xtask", "tests",
+const ROOMS: [&str; 15] = [
+    "core", "board", "boot", "sim", "lab", "ffi", "python", "wasm", "firmware", "terminal", "generate",
+    "report", "xtask", "tests", "examples",
 ];
 /// Largest width of a line that is a comment: that of the code (`rustfmt.toml`).
 const WIDTH: usize = 110;

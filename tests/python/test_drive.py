@@ -9,6 +9,7 @@ from typing import Any
 import can
 import numpy as np
 import pytest
+import tqdm.auto
 
 import narx
 
@@ -351,6 +352,21 @@ def test_open_loop_has_a_speed() -> None:
     bench.run(2.0)
     assert bench.drive.measurements.speed == speed
     assert bench.run(0.1)["speed_estimated"][-1] == pytest.approx(speed, abs=1)
+
+
+def test_a_short_run_makes_no_bar(bench: narx.Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An experiment runs a bench some milliseconds at a time: a notebook would show a bar for each."""
+    made: list[float] = []
+    real = tqdm.auto.tqdm
+
+    def counted(*arguments: Any, **options: Any) -> Any:
+        made.append(options["total"])
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(tqdm.auto, "tqdm", counted)
+    bench.run(0.002)
+    bench.run(1.5)
+    assert made == [1.5]
 
 
 def test_progress_is_a_bar_or_a_function(bench: narx.Bench, capsys: pytest.CaptureFixture[str]) -> None:

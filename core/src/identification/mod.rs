@@ -299,7 +299,7 @@ impl Identification {
             Stage::Asks => {
                 let [room, millivolts, microseconds] = self.script.answers();
                 self.found.bus_max = f64::from(millivolts) / 1e3;
-                // Whatever more a drive has: the figures are the same on every board.
+                // No more is used of a larger scope, so that the figures are the same on every board.
                 self.found.room = (room as u16).min(record::WORDS as u16);
                 self.found.period = f64::from(microseconds) * 1e-9;
                 if self.found.room < 1024 || self.found.period <= 0.0 {

@@ -7,7 +7,8 @@
 //! | phase currents | 10 milliohm, amplifier of 5.18 | 15.55 mA a code about 1.71 V |
 //! | temperature | thermistor | 1.055 V at 25 degrees Celsius, 22.7 mV a degree |
 //!
-//! The terminals' network is an assumption: the power board's schematic decides. The program `check` compares.
+//! The terminals' network is an assumption: the power board's schematic decides. The program `check`
+//! compares.
 
 use narx_board::stm32::Gates;
 use narx_core::motor::{Board, Channel, Equipment, FrontEnd, SampleMode};
@@ -89,8 +90,8 @@ pub const fn has_come(at: u32, now: u32) -> bool {
     now.wrapping_sub(at) < 1 << 31
 }
 
-/// Returns a terminal's code in the scale of the bus voltage. A switched leg in the middle of its on-time is at
-/// the bus, which the divider cannot show above 18.3 V.
+/// Returns a terminal's code in the scale of the bus voltage. A switched leg in the middle of its on-time is
+/// at the bus, which the divider cannot show above 18.3 V.
 pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u16 {
     let switched = matches!(gates, Gates::Complementary | Gates::HighOnly);
     if code >= SATURATED && switched && matches!(mode, SampleMode::OnTime) {
@@ -99,9 +100,9 @@ pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u1
     ((code as u32 * TERMINAL_TO_BUS) >> 16) as u16
 }
 
-/// Returns the mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros: current of
-/// the low legs flows through the bus for the duty's share of the period. With the bridge off all of it flows
-/// through diodes into the bus.
+/// Returns the mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros: current
+/// of the low legs flows through the bus for the duty's share of the period. With the bridge off all of it
+/// flows through diodes into the bus.
 pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty) -> u16 {
     let off = gates == [Gates::Off; 3];
     let legs = shunts.into_iter().zip(gates);

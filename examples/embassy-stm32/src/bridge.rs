@@ -177,7 +177,8 @@ impl Bridge {
         while now().wrapping_sub(self.changed_at) < u32::from(DEAD_TIME) {}
     }
 
-    /// The outputs come on when the drive has asked for Coast long enough after a break, and its cause is gone.
+    /// The outputs come on when the drive has asked for Coast long enough after a break, and its cause is
+    /// gone.
     fn rearm(&mut self, step: Step) {
         if TIM1.bdtr().read().moe() || !self.armed {
             return;

@@ -1,5 +1,5 @@
-//! Both converters: four and three channels at the sampling instant, side by side, and the temperature between
-//! two instants.
+//! Both converters: four and three channels at the sampling instant, side by side, and the temperature
+//! between two instants.
 //!
 //! ```text
 //!  trigger  | 47.5 + 12.5 clocks | 25      | 25      |

@@ -3,11 +3,13 @@
 
 #include "board.h"
 
+/* Frames that were sent. */
+static unsigned frames;
+
 #if defined(__x86_64__)
 #include <stdio.h>
 
 enum { TICKS = 10000 };
-static unsigned frames;
 
 int board_wait(void)
 {
@@ -21,8 +23,6 @@ int board_wait(void)
     return 0;
 }
 #else
-static unsigned frames;
-
 int board_wait(void)
 {
     __asm__ volatile("wfi");

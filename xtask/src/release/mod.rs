@@ -1,6 +1,6 @@
 //! A release: every artefact in one folder, with checksums, a bill of materials and the changelog's part.
 //!
-//! The same commit gives the same bytes in any folder: the compiler replaces the names of folders, times are
+//! A commit gives the same bytes in any folder: the compiler replaces the names of folders, times are
 //! that of the commit, and what is built comes from a target directory of its own.
 
 mod artefacts;

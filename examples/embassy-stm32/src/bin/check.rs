@@ -24,7 +24,7 @@ mod image {
     use narx_embassy_stm32::{clock, converter, pins};
     use rtt_target::{rprintln, rtt_init_print};
 
-    /// What a meter says, and what may flow. Set `motor` when its shaft is free.
+    /// Readings of a meter, and the largest current. Set `motor` when its shaft is free.
     const GIVEN: Given = Given {
         supply: Volts::from_milli(12_000),
         duty: Duty::from_bits(1_966),
