@@ -73,7 +73,7 @@ test("plots and measurements of a real drive go back in time, while strip and St
     });
     await page.waitForFunction(() => Math.abs(Number.parseFloat(document.querySelector('[data-measurement="Mechanical estimated speed HES"]').textContent)) < 20);
     assert.ok(Math.abs(Number(await page.locator(".bar .speed b").textContent()) - 1800) < 100, "the strip is live");
-    await page.locator(".bar .stop").click();
+    await page.locator("#stop").click();
     await inState(page, "Standby");
     assert.ok(Math.abs(await speed()) < 20);
     await page.getByRole("button", { name: "Back to live" }).click();
@@ -95,6 +95,9 @@ test("a bad address, a wrong token, a refusal, a message that is no frame and a 
     await alert.getByText(/The bridge: the adapter is in use by another client\./).waitFor();
     await connect(page);
     await standsBy(page);
+    // A set-point of this page's address, which this page has not sent.
+    bridge.send(Buffer.from("6652ad8a080000000000000000", "hex"));
+    await alert.getByText("Another master commands this drive").waitFor();
     bridge.send(Buffer.from("010203", "hex"));
     await alert.getByText(/a message of 3 bytes is no frame/).waitFor();
     await page.locator(".bar").getByText("Not connected").waitFor();

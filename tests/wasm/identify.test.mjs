@@ -68,6 +68,10 @@ test("a motor is measured, saved as a motor file, and the drive commissioned fro
     await page.locator("#commission:enabled").click();
     const told = page.locator("#commissioned-told");
     await told.getByText(/^Written: \d+ parameters\./).waitFor(LONG);
+    // These are the commissioning, so nothing has changed since.
+    await go(page, "parameters");
+    await page.locator("#only").selectOption("commissioned");
+    await page.getByText("No parameter matches the search.").waitFor();
     await page.locator("#control-mode").getByText("Sensorless").waitFor({ state: "attached" });
     await page.locator("#start:enabled").waitFor();
     await page.locator("#setpoint").fill("2000");

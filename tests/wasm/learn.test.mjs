@@ -201,7 +201,7 @@ test("a moment of a chapter is the same on the bench, and the page's master take
     await page.locator("#play").click();
     await page.locator('[data-truth="state"]').getByText("4 Sensorless").waitFor();
     assert.equal(await page.locator("#setpoint").inputValue(), "1500");
-    await page.locator(".bar .stop").click();
+    await page.locator("#stop").click();
     await page.locator('[data-truth="state"]').getByText("1 Standby").waitFor();
     assert.deepEqual(complaints, []);
 });

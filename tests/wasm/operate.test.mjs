@@ -41,6 +41,11 @@ test("the set-point changes while the motor turns, by keyboard, and the directio
     await page.locator("#direction").selectOption("reverse");
     await page.locator("#setpoint").fill("2000");
     await page.locator("#setpoint").press("Enter");
+    // Enter is no Start.
+    await page.waitForTimeout(500);
+    await inState(page, "Standby");
+    await page.locator("#start").focus();
+    await page.keyboard.press("Enter");
     await reaches(page, -2000, 40);
     await page.locator("#slider").focus();
     await page.keyboard.press("ArrowRight");
@@ -84,6 +89,10 @@ test("a set-point is commanded by Enter, by leaving the field and by the slider'
     });
     const released = Number(await setpoint.inputValue());
     await reaches(page, released, 56);
+    // Nor does the click of Stop, which takes the field's focus, command what was typed.
+    await type("1200");
+    await page.locator("#stop").click();
+    await inState(page, "Standby");
     await go(page, "trace");
     const { bytes } = await saved(page, () => page.locator("#save-log").click());
     const commands = [...bytes.toString().matchAll(/ 0AAD5266#([0-9A-F]{4})/g)].map(([, speed]) => parseInt(speed, 16));
@@ -108,8 +117,8 @@ test("a set-point is the mode's, until the operator has the field in hand", asyn
     const { page } = await operate(browser, "main");
     const setpoint = page.locator("#setpoint");
     // No limits are the open loop's, and of whoever has not received of others yet.
-    const limited = page.locator('#setpoint:not([max="65535"])');
-    const unlimited = page.locator('#setpoint[max="65535"]');
+    const limited = page.locator('#setpoint:not([data-max="65535"])');
+    const unlimited = page.locator('#setpoint[data-max="65535"]');
     await limited.waitFor();
     const hall = await setpoint.inputValue();
     await page.locator("#control-mode").selectOption("none");
@@ -133,13 +142,17 @@ test("a set-point beyond the limits is refused with the limit's parameter and ra
     await reaches(page, 1500, 40);
     await page.locator("#stop").click();
     await inState(page, "Standby");
-    await page.locator("#start:enabled").click();
-    await page.waitForTimeout(500);
-    await inState(page, "Standby");
+    assert.ok(await page.locator("#start").isDisabled());
     assert.equal(await setpoint.inputValue(), "9000");
     await setpoint.press("Escape");
     await misfit.waitFor({ state: "detached" });
     assert.equal(await setpoint.inputValue(), "1500");
+    // A decimal comma is no part of a number, and neither is anything else that a field would drop.
+    for (const text of ["1,2", "15 00", "1500.5", "99999", "NaN", ""]) {
+        await setpoint.fill(text);
+        await setpoint.blur();
+        assert.match(await misfit.textContent(), /^The set-point must be a whole number from \d+ to \d+ rpm\.$/, text);
+    }
     assert.deepEqual(complaints, []);
 });
 
@@ -159,6 +172,10 @@ test("digital lines and the hall supply are commanded, and a refusal is told", a
     await page.locator("#dsio2:enabled").selectOption("high");
     await page.locator("#set-lines").click();
     await lines.getByText("Set: DSIO1 input; DSIO2 output, high.").waitFor();
+    // A visit of another panel does not forget what is driven.
+    await go(page, "trace");
+    await go(page, "main");
+    assert.equal(await page.locator("#dsio2").inputValue(), "high");
     await page.locator("#hall-supply-off:enabled").click();
     await lines.getByText("The hall supply is off.").waitFor();
     await page.locator("#hall-supply-on:enabled").click();
@@ -199,7 +216,7 @@ test("what is broken is named, and works again once it is mended and acknowledge
 test("Stop is at the same place on every panel, scrolled or not, in a fault and beside a question, and F8 is its key", async () => {
     for (const viewport of [{ width: 1280, height: 900 }, { width: 360, height: 740 }]) {
         const { page, complaints } = await operate(browser, "main", { viewport });
-        const stop = page.locator(".bar .stop");
+        const stop = page.locator("#stop");
         const place = await stop.boundingBox();
         const stays = async (where) => assert.deepEqual(await stop.boundingBox(), place, `${viewport.width} px, ${where}`);
         await start(page, 1500);
@@ -234,6 +251,21 @@ test("Stop is at the same place on every panel, scrolled or not, in a fault and 
         assert.deepEqual(complaints, []);
         await page.close();
     }
+});
+
+test("a motor that turns is stopped from every area", async () => {
+    const { page, complaints } = await operate(browser, "main");
+    for (const stop of [() => page.locator("#stop").click(), () => page.keyboard.press("F8")]) {
+        await start(page, 1500);
+        await page.evaluate(() => location.assign("#/learn/six-steps"));
+        const drive = page.locator("main > section[aria-label='Drive']");
+        await drive.getByText(/^The motor of the drive turns: Closed-loop Hall Effect Sensors, \d+ rpm/).waitFor();
+        await stop();
+        await drive.waitFor({ state: "detached" });
+        await page.evaluate(() => location.assign("#/operate/main"));
+        await inState(page, "Standby");
+    }
+    assert.deepEqual(complaints, []);
 });
 
 test("a parameter is found, written, marked, refused with its range, saved, compared and loaded", async () => {
@@ -272,9 +304,13 @@ test("a parameter is found, written, marked, refused with its range, saved, comp
         await poles.locator("input").press("Escape");
         assert.equal(await poles.locator("input").inputValue(), before);
     }
-    await poles.locator("input").pressSequentially("0");
-    await poles.locator("input").press("Escape");
+    // What was typed is not written when the field is left, and the row says so.
+    await poles.locator("input").fill("1");
     await poles.locator("input").blur();
+    await poles.getByText("Not written: Enter writes, Esc restores.").waitFor();
+    await go(page, "main");
+    await go(page, "parameters");
+    await page.locator("#search").fill("pair poles");
     assert.equal(await poles.locator("input").inputValue(), before);
     await page.locator("#search").fill("over-voltage");
 
@@ -355,6 +391,40 @@ test("frames are decoded, filtered, held and saved as a log", async () => {
     assert.deepEqual(complaints, []);
 });
 
+test("a search of many frames does not delay the page, and a return to an earlier instant keeps the frames until then", async () => {
+    const { page, complaints } = await operate(browser, "trace");
+    await start(page, 1500);
+    await page.waitForFunction(() => Number.parseInt(document.querySelector("#trace-count").textContent) > 3000);
+    await page.locator("#trace-filter").fill("no message has this");
+    // The longest time in which the page did nothing else.
+    const longest = await page.evaluate(async () => {
+        let [longest, before] = [0, performance.now()];
+        for (const end = before + 1500; before < end; ) {
+            await new Promise((resolve) => setTimeout(resolve));
+            const now = performance.now();
+            [longest, before] = [Math.max(longest, now - before), now];
+        }
+        return longest;
+    });
+    assert.ok(longest < 400, `${longest} ms`);
+    await page.getByText("No frame matches the filter.").waitFor({ timeout: 60_000 });
+    await page.locator("#trace-filter").fill("");
+    await pause(page);
+    const count = () => page.locator("#trace-count").textContent().then((text) => Number.parseInt(text));
+    const all = await count();
+    const seek = (part) =>
+        page.locator("#instant").evaluate((input, part) => {
+            input.value = String(part * Number(input.max));
+            input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, part);
+    await seek(0.5);
+    await page.waitForFunction((all) => Number.parseInt(document.querySelector("#trace-count").textContent) < 0.7 * all, all);
+    assert.ok((await count()) > 0.3 * all, `${await count()} of ${all}`);
+    await seek(1);
+    await page.waitForFunction((all) => Number.parseInt(document.querySelector("#trace-count").textContent) === all, all);
+    assert.deepEqual(complaints, []);
+});
+
 test("time goes back to an instant of the run, shows it as it was, and goes on from there", async () => {
     const { page, complaints } = await operate(browser, "main");
     await start(page, 1500, 40);
@@ -363,7 +433,7 @@ test("time goes back to an instant of the run, shows it as it was, and goes on f
     const turning = Number(await bench.textContent());
     await page.locator("#load").fill("0.02");
     await page.locator("#load").press("Enter");
-    await page.locator(".bar .stop").click();
+    await page.locator("#stop").click();
     await inState(page, "Standby");
     await pause(page);
     assert.equal(await page.locator("#pace option:checked").textContent(), "real time");

@@ -24,7 +24,7 @@ export async function standsBy(page) {
     const [standby, fault] = ["Standby", "Fault"].map((name) => page.locator(".bar .state").getByText(name, { exact: true }));
     await standby.or(fault).waitFor();
     while (await fault.isVisible()) {
-        await page.locator(".bar .stop").click();
+        await page.locator("#stop").click();
         await page.waitForTimeout(600);
     }
     await standby.waitFor();

@@ -173,8 +173,12 @@ test("a recording is stepped tick by tick, and a plot shows where", async () => 
     await page.locator("#outputs").getByText(/^tick \d+: duty \d+/).waitFor();
     const canvas = page.locator("[aria-label='Plots'] canvas").first();
     assert.ok(await isDrawn(canvas));
+    // Changes of state are marked.
+    await page.locator("[aria-label='Plots'] [role=img][aria-label*='marked: Initialization at 0']").first().waitFor();
+    // One time: that of the recording, and not that of the virtual drive.
+    assert.equal(await page.locator("#instant").count(), 1);
     await page.locator("[aria-label='Plots'] .u-over").first().click({ position: { x: 200, y: 50 } });
-    await page.waitForFunction(() => Number(document.querySelector("#file-instant").value) > 0.01);
+    await page.waitForFunction(() => Number(document.querySelector("#instant").value) > 0.01);
     assert.deepEqual(complaints, []);
 });
 
@@ -190,6 +194,8 @@ test("a bus log opens as columns, and the panels show it without sending", async
     assert.ok(messages.some((text) => /^MEASUREMENT_2, \d+$/.test(text)), messages.join());
     await page.getByText("Lines that are not frames: 1").waitFor();
     await page.locator("#play-log").click();
+    await page.getByRole("dialog").getByText(/run is lost/).waitFor();
+    await page.getByRole("dialog").getByRole("button", { name: "Play on the panels" }).click();
     await page.locator(".bar .link").getByText("Log bus.log").waitFor();
     // It begins where the log begins, and time passes.
     await page.locator("#play").click();

@@ -36,5 +36,5 @@ function rounded(value: number, step?: number): number {
     if (Math.fround(value) !== value) {
         return Number(value.toPrecision(12));
     }
-    return [6, 7, 8].map((digits) => Number(value.toPrecision(digits))).find((short) => Math.fround(short) === value) ?? value;
+    return [6, 7, 8, 9].map((digits) => Number(value.toPrecision(digits))).find((short) => Math.fround(short) === value) ?? value;
 }

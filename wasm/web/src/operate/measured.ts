@@ -33,6 +33,11 @@ const PLAIN: Readonly<Record<MeasurementName, Plain>> = {
     "Accel Z": { group: "Acceleration", name: "Acceleration Z" },
 };
 
+/** Returns the plain name of a signal, which may be a measurement. */
+export function title(name: string): string {
+    return name in PLAIN ? PLAIN[name as MeasurementName].name : name;
+}
+
 /** Manual's names in the order of their groups. */
 export const ORDER = Object.keys(PLAIN) as readonly MeasurementName[];
 

@@ -2,6 +2,7 @@
 
 import type { ScopeSignalName } from "narx/core";
 import type { Table, Trigger } from "narx/drive";
+import type { Link } from "./link/link";
 
 export const setup = $state({
     /** Signals to record; at first those that the drive names first. */
@@ -23,8 +24,20 @@ class Recorded {
     table = $state.raw<Table>();
     /** Step of each column. */
     steps: Readonly<Record<string, number>> = {};
+    /** Times of the cursors A and B, s. */
+    cursors = $state.raw<readonly [number, number]>();
     /** Result of the last action. */
     told = $state<string>();
+    /** True from arming to the end of the record. */
+    armed = false;
+    #link: Link | undefined;
+
+    /** Tells the link to the present drive: the record of another one is removed. */
+    belongsTo(link: Link | undefined): void {
+        if (link !== this.#link) {
+            [this.#link, this.table, this.cursors, this.told] = [link, undefined, undefined, undefined];
+        }
+    }
 }
 
 export const recorded = new Recorded();

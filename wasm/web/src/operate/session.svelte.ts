@@ -10,6 +10,7 @@ import { PERIOD } from "../plot/pulse.svelte";
 import { recorder } from "./recorder.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
+import { turns } from "./states";
 import { trace } from "./trace.svelte";
 import { NOTHING, look, setpointOf, type View } from "./view";
 
@@ -26,6 +27,12 @@ class Session {
     /** Reason why there is no link. */
     problem = $state<string>();
     connecting = $state(false);
+    /** True if the drive was lost while its motor turned, until the next start. */
+    interrupted = $state(false);
+    /** True if another master has commanded this drive. */
+    contested = $state(false);
+    /** Identifiers of the frames that this master has sent. */
+    readonly #sent = new Set<number>();
     #connection: object | undefined;
     #changed = false;
     /** Time of the last view, ms. */
@@ -41,6 +48,7 @@ class Session {
         this.#over.catch(() => undefined);
         // Closing the page must not leave a motor running without a master.
         addEventListener("pagehide", () => this.#halt());
+        addEventListener("beforeunload", (event) => this.commands && turns(this.view.state) && event.preventDefault());
         requestAnimationFrame(() => this.#draw());
     }
 
@@ -103,6 +111,7 @@ class Session {
         this.options = { ...this.options, ...options };
         this.#begin(this.options);
         this.#opened = this.link.now;
+        trace.clear();
         commissioned.clear();
         this.pump();
     }
@@ -113,7 +122,9 @@ class Session {
         this.link?.close();
         this.#forget("the connection was closed");
         recorder.clear();
+        trace.clear();
         commissioned.clear();
+        this.interrupted = false;
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
@@ -122,6 +133,7 @@ class Session {
     /** Requests a start at a speed, rpm, negative in reverse; rejects with the reason if the motor does not
      * start. */
     start(rpm: number): Promise<void> {
+        this.interrupted = false;
         return this.run((drive) => drive.start(rpm));
     }
 
@@ -174,6 +186,7 @@ class Session {
         this.#opened = time;
         // In pieces, as the frames came, because plots get a point for each piece.
         const known = recorder.history.end >= time;
+        trace.show(known ? time : (frames[0]?.time ?? time) - 1e-9);
         for (let at = 0; at < frames.length; at += PIECE) {
             const piece = frames.slice(at, at + PIECE);
             this.#receive(drive, piece[piece.length - 1].time, piece, !known);
@@ -189,8 +202,8 @@ class Session {
     /** Removes everything that was received, and rejects the calls that wait. */
     #forget(reason: string): void {
         this.#gone?.(new Error(reason));
-        this.#wasConnected = false;
-        trace.clear();
+        this.#wasConnected = this.contested = false;
+        this.#sent.clear();
         nodes.clear();
     }
 
@@ -201,6 +214,7 @@ class Session {
         }
         for (const frame of [...drive.poll(link.now), ...nodes.poll(link.now, !drive.downloads)]) {
             link.send(frame);
+            this.#sent.add(frame.id);
         }
         this.#changed = true;
     }
@@ -210,9 +224,12 @@ class Session {
         if (this.drive !== drive) {
             return;
         }
-        trace.append(frames);
+        if (records) {
+            trace.append(frames);
+        }
         for (const frame of frames) {
             if (!frame.sent) {
+                this.contested ||= this.#sent.has(frame.id);
                 drive.handleFrame(frame, frame.time);
                 nodes.handleFrame(frame, frame.time);
             }
@@ -224,6 +241,7 @@ class Session {
         }
         if (this.#wasConnected && !connected) {
             // A drive that comes back must not start to turn.
+            this.interrupted = turns(this.view.state);
             drive.stop();
         }
         this.#wasConnected = connected;

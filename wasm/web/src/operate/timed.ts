@@ -1,6 +1,8 @@
 // A run in which one can go back.
 
 export interface Timed {
+    /** Whose time it is; default that of the run. */
+    readonly label?: string;
     /** Times of the first instant and of the last, and the present one, s. */
     readonly begin: number;
     readonly end: number;

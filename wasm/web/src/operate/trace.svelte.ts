@@ -16,18 +16,32 @@ class Trace {
     readonly #data = new Uint8Array(8 * KEPT);
     /** Number of frames so far, removed ones included. */
     #total = 0;
+    /** Number of those until the instant that is shown. */
+    #shown = 0;
 
-    /** Number of frames so far. */
+    /** Number of frames until the instant that is shown. */
     get total(): number {
-        return this.#total;
+        return this.#shown;
     }
 
     /** Number of removed frames: that of the first that is kept. */
     get dropped(): number {
-        return Math.max(0, this.#total - KEPT);
+        return Math.min(this.#shown, Math.max(0, this.#total - KEPT));
+    }
+
+    /** Shows the frames until an instant, s. Later ones are kept until the next frame comes. */
+    show(time: number): void {
+        let [from, to] = [Math.max(0, this.#total - KEPT), this.#total];
+        while (from < to) {
+            const middle = (from + to) >> 1;
+            [from, to] = this.#time[middle % KEPT] <= time ? [middle + 1, to] : [from, middle];
+        }
+        this.#shown = from;
+        this.version += 1;
     }
 
     append(frames: readonly BusFrame[]): void {
+        this.#total = this.#shown;
         for (const frame of frames) {
             const at = this.#total % KEPT;
             this.#time[at] = frame.time;
@@ -36,6 +50,7 @@ class Trace {
             this.#data.set(frame.data, 8 * at);
             this.#total += 1;
         }
+        this.#shown = this.#total;
         this.version += frames.length > 0 ? 1 : 0;
     }
 
@@ -47,13 +62,13 @@ class Trace {
 
     /** Returns the frames that are kept, oldest first. */
     *frames(): Generator<BusFrame> {
-        for (let number = this.dropped; number < this.#total; number += 1) {
+        for (let number = this.dropped; number < this.#shown; number += 1) {
             yield this.frame(number);
         }
     }
 
     clear(): void {
-        this.#total = 0;
+        this.#total = this.#shown = 0;
         this.version += 1;
     }
 }

@@ -31,13 +31,14 @@ export const virtualTime: Timed = {
     },
     get steps() {
         return [
+            { title: "−1 tick", by: -1 },
             { title: "+1 tick", by: 1 },
             { title: "+10 ms", by: Math.round(rate() / 100) },
         ];
     },
     get note() {
         const { ticks, end } = virtualDrive.now;
-        return ticks < end ? "What comes after this instant is discarded as soon as time runs from here." : undefined;
+        return ticks < end ? "The arrows and steps look at the run as it was. What comes after this instant is discarded as soon as time runs from here." : undefined;
     },
     seek: (time) => virtualDrive.seek(Math.round(time * rate())),
     play: (playing) => (playing ? virtualDrive.resume() : virtualDrive.pause()),
@@ -47,5 +48,14 @@ export const virtualTime: Timed = {
             virtualDrive.resume();
         }
     },
-    step: (ticks) => virtualDrive.step(ticks),
+    /** In the past, steps look at the run as it was. */
+    step(by) {
+        const { ticks, end } = virtualDrive.now;
+        const wanted = Math.max(0, ticks + by);
+        if (wanted > end) {
+            virtualDrive.step(wanted - ticks);
+        } else {
+            virtualDrive.seek(wanted);
+        }
+    },
 };

@@ -1,9 +1,11 @@
-// The user's choice of signals and length of a plot, kept in this browser.
+// The user's choice of signals, length and open plots, kept in this browser.
 
 export interface Layout {
     chosen?: readonly string[];
     /** Length of the live view, s; 0 is all. */
     span?: number;
+    /** Plots that were opened and closed, by the keys of their signals. */
+    open?: Readonly<Record<string, boolean>>;
 }
 
 const PREFIX = "narx-plots-";
@@ -12,7 +14,8 @@ export function layout(name?: string): Layout {
     try {
         const found = JSON.parse((name !== undefined && localStorage.getItem(PREFIX + name)) || "{}") as Layout;
         const chosen = Array.isArray(found.chosen) ? found.chosen.filter((key) => typeof key === "string") : undefined;
-        return { chosen, span: typeof found.span === "number" ? found.span : undefined };
+        const open = typeof found.open === "object" && found.open !== null ? found.open : undefined;
+        return { chosen, span: typeof found.span === "number" ? found.span : undefined, open };
     } catch {
         return {};
     }

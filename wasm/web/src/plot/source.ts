@@ -51,12 +51,14 @@ export class TableSource implements Source {
     readonly begin: number;
     readonly end: number;
     readonly live = false;
-    readonly events = [];
+    readonly events: readonly Event[];
     readonly #table: Table;
 
-    constructor(table: Table) {
+    /** `title` returns the plain name of a column. */
+    constructor(table: Table, events: readonly Event[], title: (key: string) => string) {
         this.#table = table;
-        this.signals = Object.keys(table.columns).map((key) => ({ key, name: key, unit: table.units[key] ?? "" }));
+        this.events = events;
+        this.signals = Object.keys(table.columns).map((key) => ({ key, name: title(key), unit: table.units[key] ?? "", manual: title(key) === key ? undefined : key }));
         this.begin = table.time[0] ?? 0;
         this.end = table.time.at(-1) ?? 0;
     }

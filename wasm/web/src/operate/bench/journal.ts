@@ -2,7 +2,7 @@
 
 import type { Bench, BusFrame, Trace } from "narx";
 import { apply, type Input } from "narx/script";
-import { ROW, TRUTH, type Action, type Now, type Rows, type Setup, type Truth } from "./messages";
+import { ROW, TRUTH, type Acting, type Action, type Now, type Rows, type Setup, type Truth } from "./messages";
 import type { Run } from "./run";
 
 /** A module with a bench: "narx" or "narx/full". */
@@ -96,7 +96,21 @@ export class JournalledBench {
 
     now(pace: number): Now {
         const truth = Object.fromEntries(TRUTH.map((name) => [name, this.#bench.value(name)])) as Truth;
-        return { time: this.#bench.time, ticks: this.#bench.ticks, end: this.#end, pace, truth };
+        return { time: this.#bench.time, ticks: this.#bench.ticks, end: this.#end, pace, truth, acting: this.#acting() };
+    }
+
+    #acting(): Acting {
+        const acting: Acting = { load: this.setup.options.load ?? {}, faults: [] };
+        for (const input of this.#inputs.slice(0, this.#applied)) {
+            if (input.call === "setLoad") {
+                acting.load = input.load;
+            } else if (input.call === "inject") {
+                acting.faults.push(input.fault);
+            } else if (input.call === "clear") {
+                acting.faults = [];
+            }
+        }
+        return acting;
     }
 
     /** Returns everything that determines the run so far. */

@@ -1,6 +1,6 @@
 // Messages between the page and the worker with the bench.
 
-import type { BenchOptions, InjectionKind, Input as BoardInput, MotorName, MotorOptions } from "narx";
+import type { BenchOptions, InjectionKind, InjectionName, LoadOptions, Input as BoardInput, MotorName, MotorOptions } from "narx";
 import type { Call } from "narx/script";
 import type { Frames } from "./frames";
 import type { Run } from "./run";
@@ -83,6 +83,13 @@ export interface Now {
     pace: number;
     /** True values of the last tick. */
     truth: Truth;
+    acting: Acting;
+}
+
+/** Load and injected faults that act on the bench. */
+export interface Acting {
+    load: LoadOptions;
+    faults: InjectionName[];
 }
 
 /** True values of an instant: state, speed, rpm, electrical angle of the rotor, degrees, and bus current, A. */

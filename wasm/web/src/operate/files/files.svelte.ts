@@ -1,5 +1,6 @@
 // Opened files, dropped anywhere on the page or chosen.
 
+import type { Timed } from "../timed";
 import type { Answer, Content, Request } from "./messages";
 
 export interface Entry {
@@ -15,6 +16,8 @@ class Files {
     entries = $state.raw<readonly Entry[]>([]);
     /** Key of the shown file. */
     chosen = $state<number>();
+    /** Time of the recording that is shown. */
+    timed = $state.raw<Timed>();
     outputs = $state.raw<{ key: number; until: number; outputs: string }>();
     #next = 0;
     #worker: Worker | undefined;

@@ -26,7 +26,7 @@ export interface Reproduced {
 class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
-    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1, truth: { state: 0, speed: 0, angle: 0, bus_current: 0 } };
+    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1, truth: { state: 0, speed: 0, angle: 0, bus_current: 0 }, acting: { load: {}, faults: [] } };
     readonly #pulse = new Pulse();
     /** Simulated seconds in a second while time runs. */
     pace = $state(1);
