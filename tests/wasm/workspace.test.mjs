@@ -136,6 +136,26 @@ test("states, faults and set-points are marked in the plots", async () => {
     }
 });
 
+test("the events of the run are listed, and each leads to its instant", async () => {
+    const { page, complaints } = await operate(browser, "virtual");
+    await start(page, 1500);
+    await page.locator("#fault").selectOption("hall-supply-lost");
+    await page.locator("#inject").click();
+    await inState(page, "Fault");
+    await page.locator("#events summary").click();
+    const fault = page.locator("#events li").filter({ hasText: "Fault: " }).first();
+    const time = Number.parseFloat(await fault.locator("button").textContent());
+    await fault.locator("button").click();
+    await page.waitForFunction((time) => Math.abs(Number(document.querySelector("#time").textContent) - time) < 0.002, time);
+    assert.equal(Number.parseFloat(await page.locator('[data-truth="state"]').textContent()), 6);
+    // A step back looks at the run as it was, and loses nothing of it.
+    const end = await page.locator("#instant").getAttribute("max");
+    await page.locator("[data-step='-1']").click();
+    await page.waitForFunction((time) => Number(document.querySelector("#time").textContent) < time, time);
+    assert.equal(await page.locator("#instant").getAttribute("max"), end);
+    assert.deepEqual(complaints, []);
+});
+
 test("one timeline goes back on every panel, and the plots with it", async () => {
     const { page, complaints } = await operate(browser, "main");
     await start(page, 1500, 40);
