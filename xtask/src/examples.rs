@@ -39,7 +39,7 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
         cargo(root, example, &["clippy", "--quiet", "--target", EMBEDDED, "--bins", "--", "-D", "warnings"])?;
         cargo(root, example, &["build", "--quiet", "--release", "--target", EMBEDDED])?;
         for image in images {
-            let path = directory(root, example).join(EMBEDDED).join("release").join(image);
+            let path = built(root).join(EMBEDDED).join("release").join(image);
             let Size { flash, ram } = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             let _ = write!(text, "\n[{example}.{image}]\nflash = {flash}\nram = {ram}\n");
             closing.push(format!("{example}, {image}: {flash} bytes of flash, {ram} of RAM"));
@@ -81,16 +81,16 @@ fn compare(golden: &str, now: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Build directory of an example.
-fn directory(root: &Path, example: &str) -> PathBuf {
-    target_directory(root).join("examples").join(example)
+/// Build directory of the examples: what they have in common is built once.
+fn built(root: &Path) -> PathBuf {
+    target_directory(root).join("examples")
 }
 
 /// Runs cargo in the folder of an example.
 fn cargo(root: &Path, example: &str, arguments: &[&str]) -> Outcome {
     let mut cargo = Command::new("cargo");
     cargo.args(arguments).current_dir(root.join("examples").join(example));
-    steps::run(cargo.env("CARGO_TARGET_DIR", directory(root, example)))
+    steps::run(cargo.env("CARGO_TARGET_DIR", built(root)))
 }
 
 #[cfg(test)]
