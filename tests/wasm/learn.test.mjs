@@ -374,6 +374,15 @@ test("frames: a click shows what it sends and what the drive says to it", async 
     assert.deepEqual(complaints, []);
 });
 
+test("only the chapter that shows decoded messages loads the module that decodes them", async () => {
+    for (const [chapter, decodes] of [["speed-loop", false], ["hall-sensors", false], ["frames", true]]) {
+        const { page } = await open(chapter, STILL);
+        const loaded = await page.evaluate(() => performance.getEntriesByType("resource").map(({ name }) => name));
+        assert.ok(loaded.some((name) => name.includes("narx_bg")));
+        assert.equal(loaded.some((name) => name.includes("core_bg")), decodes, chapter);
+    }
+});
+
 test("all chapters say what they are about, lead from one to the next, and end", async () => {
     const { page } = await browser.open(STILL, "#/learn");
     const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));

@@ -20,7 +20,7 @@ export type Row = Record<Kept, number>;
 /** Consecutive control ticks, an array for each signal in the order of `KEPT`. */
 export type Rows = Float64Array[];
 
-/** A frame of the bus, with its decoded message. */
+/** A frame of the bus, decoded if the set-up wants it. */
 export type Received = BusFrame & { message?: DriveMessage | NodeMessage };
 
 /** Action on a bench. */
@@ -35,11 +35,13 @@ export interface Setup {
     motor: MotorName | MotorOptions;
     options: BenchOptions;
     before: Action[];
+    /** True if the chapter shows decoded messages, for which a second module is loaded. */
+    decoded?: true;
 }
 
 /** Message from the page. `pace` is simulated over real time; 0 stops the time. */
 export type Request =
-    /** The modules; `core` decodes frames, if the bench keeps them. */
+    /** The modules; `core` decodes frames. */
     | { kind: "begin"; narx: WebAssembly.Module; core?: WebAssembly.Module }
     | { kind: "open"; setup: Setup }
     | { kind: "pace"; pace: number }

@@ -65,7 +65,7 @@ export class Simulation {
             this.problem = `The simulation cannot run in this browser: ${message}`;
         });
         document.addEventListener("visibilitychange", this.#hidden);
-        Promise.all([module("narx"), setup.options.frames ? module("core") : undefined]).then(
+        Promise.all([module("narx"), setup.decoded ? module("core") : undefined]).then(
             ([narx, core]) => this.#ask({ kind: "begin", narx, core }),
             ({ message }: Error) => (this.problem = message),
         );

@@ -33,7 +33,7 @@ function tell(rows: Rows, acted?: number): void {
 }
 
 function read(frame: BusFrame): Received {
-    return { ...frame, message: decode(frame) };
+    return setup?.decoded ? { ...frame, message: decode(frame) } : frame;
 }
 
 function rowsOf(trace: Trace): Rows {
