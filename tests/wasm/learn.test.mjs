@@ -274,7 +274,11 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
     await reaches(page, "held", 800, 1400);
     await reaches(page, "mean-current", 0.45, 0.5);
+    // Only after the prediction the end of the run is drawn.
+    const whole = page.getByRole("img", { name: /the whole run$/ });
+    assert.equal(await whole.count(), 0);
     await guess(page);
+    assert.equal(await whole.count(), 1);
     assert.ok((await reading(page, "after")) < 60, `${await reading(page, "after")} rpm`);
     assert.equal(await reading(page, "back"), "not within 900 ms");
     assert.deepEqual(complaints, []);

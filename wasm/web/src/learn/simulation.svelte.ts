@@ -4,6 +4,7 @@
 import { module } from "../modules";
 import type { Run } from "../operate/bench/run";
 import { History, type Entered } from "./history";
+import type { Source } from "./pictures/Waveforms.svelte";
 import { KEPT, type Action, type Answer, type Received, type Request, type Row, type Setup } from "./messages";
 import BenchWorker from "./worker?worker&inline";
 
@@ -133,6 +134,12 @@ export class Simulation {
         this.#changed = true;
     }
 
+    /** Returns the number of rows from a time of the run to the newest row. */
+    ageOf(time: number): number {
+        const { history, tick } = this;
+        return history.length === 0 ? 0 : Math.max(0, Math.min(history.length - 1, Math.round((history.at(0, "time") - time) / tick)));
+    }
+
     close(): void {
         cancelAnimationFrame(this.#frame);
         document.removeEventListener("visibilitychange", this.#hidden);
@@ -219,4 +226,24 @@ export class Simulation {
         }
         this.#frame = requestAnimationFrame(() => this.#draw());
     }
+}
+
+/** Returns the waveforms that end at a time of the run. */
+export function until(simulation: Simulation, time: () => number): Source {
+    const { history } = simulation;
+    return {
+        history,
+        get shown() {
+            return simulation.shown;
+        },
+        get age() {
+            return simulation.ageOf(time());
+        },
+        get row() {
+            return history.length === 0 ? simulation.row : history.row(simulation.ageOf(time()));
+        },
+        get tick() {
+            return simulation.tick;
+        },
+    };
 }
