@@ -353,6 +353,16 @@ test("faults: the diagram is Table 7, lights the way to the fault, and lets nobo
     await button("Rotor is blocked").click();
     await state("7 Auto-restart");
     assert.equal(await page.locator("path.last").getAttribute("data-name"), "T47");
+    // The way out of Fault is shown after the prediction.
+    assert.equal(await button("Request Standby").count(), 1);
+    await guess(page);
+    await button("Emergency stop").click();
+    await state("6 Fault");
+    await button("Repair all").click();
+    await page.waitForTimeout(600);
+    await button("Request Standby").last().click();
+    await state("1 Standby");
+    assert.equal(await page.locator("path.last").last().getAttribute("data-name"), "T61");
     assert.deepEqual(complaints, []);
 });
 
@@ -362,7 +372,7 @@ test("frames: a click shows what it sends and what the drive says to it", async 
     /** Chooses the first frame whose row has these texts. */
     const choose = async (...texts) => {
         const rows = await page.locator("tbody tr").allTextContents();
-        await page.getByLabel("Frame", { exact: true }).selectOption({ index: rows.findIndex((row) => texts.every((text) => row.includes(text))) });
+        await page.getByRole("combobox", { name: "Frame" }).selectOption({ index: rows.findIndex((row) => texts.every((text) => row.includes(text))) });
     };
     const field = (name) => page.locator(`[data-field="${name}"]`).textContent();
     await page.getByRole("button", { name: "Drive, 9000 rpm" }).click();
@@ -408,6 +418,9 @@ test("all chapters say what they are about, lead from one to the next, and end",
         assert.match(await predict.locator(".verdict").textContent(), /^(That is right\.|Not so: )/);
         assert.ok((await predict.locator("p").last().textContent()).length > 100);
         assert.equal(await predict.locator(".guess.right").count(), 1);
+        // Words that name a part of the picture have a colour.
+        const plain = await page.locator(".words b").evaluateAll((words) => words.filter((word) => getComputedStyle(word).color === getComputedStyle(word.parentElement).color).map((word) => word.textContent));
+        assert.deepEqual(plain, []);
         // Paragraphs with a figure each, and with one control at most; a group is one.
         for (const scene of await page.locator(".scene").all()) {
             const controls = await scene.locator("button, input, select, [role=slider]").evaluateAll((all) => new Set(all.map((control) => control.closest("[role=group]") ?? control)).size);

@@ -1,6 +1,7 @@
 // What the explainer's pictures know of a motor is what the drive does and the bench shows.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -14,6 +15,7 @@ async function source(name) {
 }
 
 const model = await source("model.ts");
+const { LISTENING, STARTING } = await source("pictures/states.ts");
 const motors = await source("motors.ts");
 const { MOTOR } = motors;
 
@@ -104,13 +106,13 @@ test("the times that the chapter on faults tells are the drive's", () => {
     const driver = turning();
     driver.inject("driver", { phase: "A" });
     assert.ok(until(driver, 6) < 3e-4);
-    // Without sensors it listens and tries again for two seconds.
+    // Without sensors it listens.
     const sensorless = turning({ mode: "sensorless" });
     assert.equal(sensorless.state, 4);
     sensorless.inject("blocked-rotor");
     until(sensorless, 7);
-    const tries = until(sensorless, 1);
-    assert.ok(Math.abs(tries - 2) < 0.1, `${tries} s`);
+    const listened = until(sensorless, 1);
+    assert.ok(Math.abs(listened - LISTENING) < 1e-3, `${listened} s`);
 });
 
 test("the sensorless start of the chapter needs six crossings, and knows no inertia", () => {
@@ -140,4 +142,12 @@ test("a sector has the samples that the chapter on back-EMF tells", () => {
     const changes = [...step.keys()].filter((row) => row > 0 && step[row] !== step[row - 1]).map((row) => time[row]);
     const sector = (changes.at(-1) - changes[0]) / (changes.length - 1);
     assert.ok(Math.abs(sector - motors.sectorTime(4000)) < 0.05 * sector, `${sector} s`);
+});
+
+test("the boot time and the crossings of a sensorless start are the drive's", () => {
+    const bench = new Bench(new Motor(MOTOR), { supplyVoltage: 24, mode: "hall" });
+    const booted = until(bench, 1);
+    assert.ok(Math.abs(booted - STARTING) < 1e-3, `${booted} s`);
+    const core = readFileSync(new URL("../../core/src/motor/rotor/zero_crossing.rs", import.meta.url), "utf8");
+    assert.equal(model.PREPARED, Number(/const PREPARED: u8 = (\d+);/.exec(core)[1]));
 });

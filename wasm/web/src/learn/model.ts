@@ -16,6 +16,10 @@ export const STEP_NAMES = [
 /** The numbers of the six running steps. */
 export const RUNNING = [1, 2, 3, 4, 5, 6];
 
+/** Number of consistent crossings in a row that end a sensorless start, as in
+ * core/src/motor/rotor/zero_crossing.rs. */
+export const PREPARED = 6;
+
 /** Returns the actions of the legs A, B, C in a step. */
 export function legs(step: number): Leg[] {
     return [...(LEGS[step] ?? LEGS[0])].map((letter) => KINDS[letter]);

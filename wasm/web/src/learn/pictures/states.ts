@@ -38,11 +38,14 @@ export const STATES: State[] = [
 /** Names that fit into a box. */
 export const SHORT = ["Initialization", "Standby", "Rotor lock", "Open-loop", "Sensorless", "Hall sensors", "Fault", "Auto-restart"];
 
+/** Times of the drive for which it has no parameters, s: of state 0, and of state 7. */
+export const [STARTING, LISTENING] = [0.5, 2];
+
 const FAULT = "critical fault, or time-out of a silent master";
 const STANDBY = "Standby is requested";
 
 export const TRANSITIONS: Transition[] = [
-    { name: "T01", from: 0, to: 1, when: "half a second has passed, and the self-tests have passed", line: [[124, 30], [82, 30]], label: [102, 21] },
+    { name: "T01", from: 0, to: 1, when: `after ${STARTING} s, if the self-tests have passed`, line: [[124, 30], [82, 30]], label: [102, 21] },
     { name: "T06", from: 0, to: 6, when: "a self-test or the parameter store has failed", line: [[242, 30], [442, 30]], label: [343, 21] },
     { name: "T12", from: 1, to: 2, when: "Drive is requested, sensorless mode is enabled and hall mode is not", line: [[82, 91], [124, 91]], label: [102, 82] },
     { name: "T13", from: 1, to: 3, when: "Drive is requested, and only open loop is enabled", line: [[82, 167], [124, 167]], label: [102, 158] },
@@ -62,7 +65,7 @@ export const TRANSITIONS: Transition[] = [
     { name: "T54", from: 5, to: 4, when: "the hall sensors fail, and the terminals show a rotor that turns (parameter 308)", line: [[196, 322], [196, 284]], label: [213, 313] },
     { name: "T56", from: 5, to: 6, when: FAULT, line: [[242, 344], [442, 344]], label: [343, 335] },
     { name: "T61", from: 6, to: 1, when: "the cause is gone, and Standby has been requested since", line: [[442, 400], [82, 400]], label: [183, 391] },
-    { name: "T71", from: 7, to: 1, when: `${STANDBY}, or the rotor stands still after 2 s`, line: [[348, 284], [348, 303], [82, 303]], label: [290, 294] },
-    { name: "T74", from: 7, to: 4, when: "the rotor turns after 2 s", line: [[292, 271], [242, 271]], label: [268, 281] },
+    { name: "T71", from: 7, to: 1, when: `${STANDBY}, or the rotor stands still after ${LISTENING} s`, line: [[348, 284], [348, 303], [82, 303]], label: [290, 294] },
+    { name: "T74", from: 7, to: 4, when: `the rotor turns after ${LISTENING} s`, line: [[292, 271], [242, 271]], label: [268, 281] },
     { name: "T76", from: 7, to: 6, when: FAULT, line: [[404, 262], [442, 262]], label: [423, 253] },
 ];
