@@ -72,6 +72,11 @@ test("the preview's whole address follows from the address of the page", () => {
     const page = address("https://example.org/narx/").transformIndexHtml(source);
     assert.match(page, /<meta property="og:image" content="https:\/\/example\.org\/narx\/preview\.png" \/>/);
     assert.match(page, /<meta property="og:url" content="https:\/\/example\.org\/narx\/" \/>/);
+    // The published site has the page in a folder of that name.
+    for (const [workflow, host] of [[".github/workflows/site.yml", /\$\{\{ steps\.pages\.outputs\.base_url \}\}/], [".gitlab-ci.yml", /\$CI_PAGES_URL/]]) {
+        const place = /NARX_PAGE_ADDRESS: (.*)/.exec(readFileSync(new URL(`../../${workflow}`, import.meta.url), "utf8"))[1];
+        assert.equal(place.replace(host, "https://example.org/narx"), "https://example.org/narx/page/");
+    }
     for (const wrong of ["example.org/", "https://example.org/narx", 'https://example.org/"/']) {
         assert.throws(() => address(wrong).transformIndexHtml(source), { message: /NARX_PAGE_ADDRESS.*must be an address/ });
     }
