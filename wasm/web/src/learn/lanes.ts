@@ -49,7 +49,7 @@ export const SPEED: Lane = {
     least: 100,
     series: [
         { label: "shaft", value: "speed", colour: "--speed" },
-        { label: "set-point", value: "setpoint", colour: "--setpoint", dash: [6, 4] },
+        { label: "set-point", value: "setpoint", colour: "--setpoint", dashed: true },
     ],
 };
 
@@ -69,7 +69,7 @@ export const FLOATING: Lane = {
             value: (read: Read) => (floating(read("step")) === phase ? read(`voltage_${name}`) - read("bus_voltage") / 2 : Number.NaN),
             colour: `--phase-${name}`,
         })),
-        { label: "half of the bus voltage", value: () => 0, colour: "--quiet", dash: [6, 4] },
+        { label: "half of the bus voltage", value: () => 0, colour: "--quiet", dashed: true },
         { label: "accepted crossing", value: (read: Read) => (accepted(read) ? 0 : Number.NaN), colour: "--field", points: true },
     ],
 };
