@@ -356,10 +356,10 @@ test("faults: the diagram is Table 7, lights the way to the fault, and lets nobo
     // The way out of Fault is shown after the prediction.
     assert.equal(await button("Request Standby").count(), 1);
     await guess(page);
+    assert.equal(await button("Request Standby").count(), 2);
     await button("Emergency stop").click();
     await state("6 Fault");
     await button("Repair all").click();
-    await page.waitForTimeout(600);
     await button("Request Standby").last().click();
     await state("1 Standby");
     assert.equal(await page.locator("path.last").last().getAttribute("data-name"), "T61");
