@@ -16,6 +16,18 @@ export interface Entered {
 /** Reads a signal of the present row, or of the row `before` rows earlier. */
 export type Read = (name: Kept, before?: number) => number;
 
+/** Returns the mean of a signal over this row and those before it: of a signal that swings faster than rows are
+ * read, single rows show another curve. */
+export function mean(name: Kept, rows: number): (read: Read) => number {
+    return (read) => {
+        let sum = 0;
+        for (let before = 0; before < rows; before++) {
+            sum += read(name, before);
+        }
+        return sum / rows;
+    };
+}
+
 export class History {
     #columns = KEPT.map(() => new Float64Array(CAPACITY));
     /** Number of all rows that were appended. */
