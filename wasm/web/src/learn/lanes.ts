@@ -56,10 +56,10 @@ export const SPEED: Lane = {
 /** Returns whether a zero crossing was accepted in this row. */
 const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
 
-/** Voltage of the floating phase's terminal, relative to half of the bus voltage, with the crossings that the
+/** Voltage of the floating phase's terminal, measured from half of the bus voltage, with the crossings that the
  * drive has accepted. */
 export const FLOATING: Lane = {
-    title: "Floating phase",
+    title: "Floating, from half",
     unit: "V",
     height: 150,
     least: 1,
@@ -89,4 +89,4 @@ export const LIMITERS = [
 ];
 
 /** Outcomes of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
-export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "detected while coasting"];
+export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: already over", "detected while coasting"];

@@ -98,11 +98,6 @@ export class Simulation {
         this.#tellPace();
     }
 
-    /** Runs the simulation as fast as possible. */
-    run(seconds: number): void {
-        this.act({ run: seconds });
-    }
-
     /** Returns the run up to the tick in view. */
     moment(): Promise<Run> {
         return new Promise((resolve) => {
@@ -123,7 +118,7 @@ export class Simulation {
         }
         const age = this.age - count;
         if (age < 0) {
-            this.run(-age * this.tick);
+            this.act({ run: -age * this.tick });
         }
         this.look(age);
     }
