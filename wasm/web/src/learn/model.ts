@@ -10,7 +10,7 @@ const LEGS = ["---", "SL-", "S-L", "-SL", "LS-", "L-S", "-LS", "SLL", "SSL", "LS
 const KINDS: Record<string, Leg> = { "-": "floating", L: "low", S: "switched" };
 
 export const STEP_NAMES = [
-    "all floating", "AB", "AC", "BC", "BA", "CA", "CB", "lock A", "lock AB", "lock B", "lock BC", "lock C", "lock CA",
+    "all floating", "AB", "AC", "BC", "BA", "CA", "CB", "lock A", "lock A+B", "lock B", "lock B+C", "lock C", "lock C+A",
 ];
 
 /** The numbers of the six running steps. */
@@ -76,8 +76,8 @@ export function hallOf(angle: number, offset = 0): number {
     return [0, 1, 2].reduce((code, phase) => code | (Number(high(phase)) << phase), 0);
 }
 
-/** Returns the direction of the rotor's north pole: at phase A's tooth when the back-EMF of A falls through
- * zero. */
+/** Returns the direction of the rotor's north pole: at A's opposite tooth at 0 degrees, and at A's own when
+ * the back-EMF of A falls through zero. */
 export function northOf(angle: number): number {
     return angle - 180;
 }
