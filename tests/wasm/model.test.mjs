@@ -17,6 +17,7 @@ async function source(name) {
 const model = await source("model.ts");
 const { LISTENING, STARTING } = await source("pictures/states.ts");
 const motors = await source("motors.ts");
+const history = await source("history.ts");
 const { MOTOR } = motors;
 
 /** A motor that turns slowly under load, as columns. */
@@ -121,17 +122,58 @@ test("the sensorless start of the chapter needs six crossings, and knows no iner
         bench.run(0.6);
         bench.start(1500);
         until(bench, 3);
-        let [crossings, step] = [0, bench.value("step")];
+        const began = bench.time;
+        let [crossings, step, margin, known] = [0, bench.value("step"), bench.value("crossing_margin"), 0];
+        // Times from an accepted crossing to the next step, s; undefined if there was none.
+        const waits = [];
+        let crossed;
         while (bench.state === 3) {
             bench.step();
+            if (bench.value("crossing") === 1 && bench.value("crossing_margin") !== margin) {
+                [margin, crossed] = [bench.value("crossing_margin"), bench.time];
+                crossings += 1;
+            }
             if (bench.value("step") !== step) {
                 step = bench.value("step");
-                crossings += Number(bench.value("crossing") === 1);
+                waits.push(crossed === undefined ? undefined : bench.time - crossed);
+                crossed = undefined;
             }
+            known ||= bench.value("speed_estimated") > 0 ? crossings : 0;
         }
         bench.takeTrace().free();
         assert.equal(bench.state, 4);
-        assert.ok(crossings >= 6, `${crossings} crossings with ${flywheel} inertias`);
+        // The speed is controlled after six; the state goes on until its time is over.
+        assert.ok(known >= model.PREPARED && known <= model.PREPARED + 1, `${known} crossings with ${flywheel} inertias`);
+        assert.ok(crossings > known, `${crossings} crossings with ${flywheel} inertias`);
+        assert.ok(Math.abs(bench.time - began - 0.12) < 1e-3, `${bench.time - began} s`);
+        // At once at first, later half a sector behind the crossing.
+        const [first, last] = [waits.find((wait) => wait !== undefined), waits.at(-1)];
+        assert.ok(first <= 2e-4 && last > 1.5e-3, waits.join());
+    }
+});
+
+test("the curves of a long run are means: a signal that swings within a sector is no slow one", () => {
+    const row = (at) => (at % 21 < 10 ? 1 : 0);
+    const read = (at) => (_, before = 0) => row(at - before);
+    const single = [...Array(50).keys()].map((point) => row(20 * point + 100));
+    assert.ok(single.includes(0) && single.includes(1), "rows of their own show a swing that is not there");
+    for (let point = 0; point < 50; point++) {
+        assert.ok(Math.abs(history.mean("speed", 20)(read(20 * point + 100)) - 0.5) < 0.06);
+    }
+});
+
+test("the drive bears the largest load and inductance of the chapter on demagnetisation, and no more load", () => {
+    const chapter = readFileSync(new URL("../../wasm/web/src/learn/chapters/Demagnetisation.svelte", import.meta.url), "utf8");
+    const most = Number(/const LOAD_MAX = (\d+);/.exec(chapter)[1]);
+    for (const [load, restarts] of [[most, false], [most + 20, true]]) {
+        const bench = new Bench(new Motor({ ...MOTOR, inductance: 2e-3 }), { supplyVoltage: 24, mode: "sensorless", load: { constant: load / 1000 } });
+        bench.run(0.6);
+        bench.start(1500);
+        until(bench, 4);
+        bench.run(1);
+        const trace = bench.run(5);
+        assert.equal(trace.column("state").includes(7), restarts, `${load} mN m`);
+        trace.free();
     }
 });
 
