@@ -513,6 +513,18 @@ test("a phone's first screen always has a picture, or something to do", async ()
     }
 });
 
+test("on a phone, the diagram shows the present state", async () => {
+    const { page } = await browser.open({ viewport: { width: 360, height: 740 } }, "#/learn/faults");
+    const shown = (number) =>
+        page.waitForFunction((number) => {
+            const [state, view] = [document.querySelector(`[data-state="${number}"]`), document.querySelector(".scroll")].map((element) => element.getBoundingClientRect());
+            return document.querySelector(`.here[data-state="${number}"]`) && state.left >= view.left - 1 && state.right <= view.right + 1;
+        }, number);
+    await shown(5);
+    await page.getByRole("button", { name: "Emergency stop" }).click();
+    await shown(6);
+});
+
 test("only one line of the state diagram crosses others, and no line runs through a box", async () => {
     const { page } = await open("faults", STILL);
     const ways = await page.locator("path.way").evaluateAll((paths) => paths.map((path) => ({ name: path.dataset.name, points: [...path.getAttribute("d").matchAll(/([\d.]+) ([\d.]+)/g)].map(([, x, y]) => [Number(x), Number(y)]) })));
