@@ -305,6 +305,12 @@ test("speed loop: less integral gain is slower, too much swings, and a limit of 
     assert.equal(await reading(page, "overshoot"), 0);
     assert.ok(Math.abs((await reading(page, "dip")) - dip) < 0.25 * dip);
     await slide(page, /Ki/, 0);
+    // Time that runs on, until the load's part of the run is no longer kept, changes no figure.
+    await reaches(page, "held", 1997, 2003);
+    await page.getByLabel("Time scale").selectOption("1");
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.waitForFunction(() => Number.parseFloat(document.querySelector(".time").textContent) > 5600);
+    assert.ok((await reading(page, "dip")) > 200 && (await reading(page, "mean-current")) > 0.7);
     await slide(page, /limit/, 0.5);
     await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
     await reaches(page, "held", 800, 1400);
