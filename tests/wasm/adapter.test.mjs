@@ -215,5 +215,10 @@ test("TX-Drivers on the bus are found, started and written to", async () => {
     await node.getByText(/Channel 1: -?\d+\.\d{5} mm/).waitFor();
     await node.locator(".read-objects").click();
     await node.locator(".told").getByText(/abort|refuse|state/i).waitFor();
+    // Its position is plotted beside the drive's signals.
+    await go(page, "main");
+    await page.locator("#plot .plot-signals summary").click();
+    await page.locator('#plot [data-plot="TX-Driver 2, channel 1"]').check();
+    await page.locator("#plot .lane > summary").getByText("TX-Driver 2, channel 1, mm").waitFor();
     assert.deepEqual(own(), []);
 });

@@ -6,6 +6,10 @@ import { TxMaster, txObjects, type TxObject } from "narx/core";
 /** CAN configuration, basic configuration and encoder resolution. */
 const ENCODER = txObjects().filter(({ index }) => [0x2004, 0x2005, 0x2009].includes(index));
 
+/** Longest time until an answer, s: of a node that is known, which browsers may delay as those of a drive, and of one
+ * of the 127 that are looked for. */
+const [TIMEOUT, SCAN] = [0.25, 0.1];
+
 interface Question {
     begin: () => void;
     resolve: (value: number) => void;
@@ -19,7 +23,7 @@ export class Node {
     #waiting: Question[] = [];
     #asked: Question | undefined;
 
-    constructor(id: number, channels: 1 | 2 = 1, timeout = 0.1) {
+    constructor(id: number, channels: 1 | 2, timeout: number) {
         this.id = id;
         this.master = new TxMaster({ nodeId: id, channels, timeout });
     }
@@ -94,6 +98,12 @@ class Nodes {
         return this.#all().flatMap((node) => node.poll(now, room));
     }
 
+    /** Returns the positions that each node has sent last, mm, by their names. */
+    positions(): Record<string, number> {
+        const named = this.found.flatMap(({ id, master }) => (master.reading?.positions ?? []).map((position, channel) => [`TX-Driver ${id}, channel ${channel + 1}`, position]));
+        return Object.fromEntries(named);
+    }
+
     clear(): void {
         this.found = [];
         this.#candidates = [];
@@ -101,12 +111,12 @@ class Nodes {
 
     /** Adds a node, whether it answers or not. */
     add(id: number, channels: 1 | 2): void {
-        this.found = [...this.found.filter((node) => node.id !== id), new Node(id, channels)].toSorted((one, two) => one.id - two.id);
+        this.found = [...this.found.filter((node) => node.id !== id), new Node(id, channels, TIMEOUT)].toSorted((one, two) => one.id - two.id);
     }
 
     /** Asks nodes for an entry, and adds those that answer, even with a refusal. */
     async ask(ids: readonly number[], entry: TxObject): Promise<void> {
-        const candidates = ids.map((id) => new Node(id));
+        const candidates = ids.map((id) => new Node(id, 1, SCAN));
         this.#candidates = candidates;
         const answers = await Promise.all(candidates.map((node) => node.read(entry).then(() => true, (error: Error) => error.name !== "NoAnswerError")));
         this.#candidates = [];

@@ -11,6 +11,7 @@ import { ROW } from "./bench/messages";
 import { virtualDrive } from "./link/virtual.svelte";
 import { plain } from "./measured";
 import { valueNames } from "./meaning";
+import { nodes } from "./nodes.svelte";
 import { FAULT, STATES } from "./states";
 import { setpointOf } from "./view";
 
@@ -58,6 +59,8 @@ class Recorder implements Source {
     #signals = $state.raw<readonly MeasurementSignal[]>([]);
     #limiter = $state.raw<Parameter>();
     #virtual = $state(false);
+    /** Names of the positions that TX-Drivers have sent. */
+    #positions = $state.raw<readonly string[]>([]);
     #state: number | undefined;
     #faults = "";
     #setpoint = 0;
@@ -65,6 +68,7 @@ class Recorder implements Source {
     readonly signals = $derived<readonly Signal[]>([
         ...OWN.map((signal) => (signal.manual === LIMITER ? { ...signal, names: valueNames(this.#limiter?.description ?? "") } : signal)),
         ...this.#signals.map(({ name, unit }) => ({ key: name, unit, manual: name, ...plain(name) })),
+        ...this.#positions.map((name) => ({ key: name, name, unit: "mm", group: "TX-Drivers" })),
         ...(this.#virtual ? TRUTH : []),
     ]);
 
@@ -104,6 +108,12 @@ class Recorder implements Source {
         for (const { name, value } of master.measurements()) {
             row[name] = [value];
         }
+        for (const [name, position] of Object.entries(nodes.positions())) {
+            row[name] = [position];
+            if (!this.#positions.includes(name)) {
+                this.#positions = [...this.#positions, name];
+            }
+        }
         this.history.append([time], row);
         const fault = (faults ?? []).join(", ").replaceAll("_", " ");
         if (state !== this.#state && state !== undefined) {
@@ -127,6 +137,7 @@ class Recorder implements Source {
     clear(): void {
         this.past = undefined;
         this.history.clear();
+        this.#positions = [];
         this.events = [];
         [this.#state, this.#faults, this.#setpoint, this.#last] = [undefined, "", 0, -Infinity];
         this.tell(0);
