@@ -179,6 +179,9 @@ test("a recording is stepped tick by tick, and a plot shows where", async () => 
     assert.equal(await page.locator("#instant").count(), 1);
     await page.locator("[aria-label='Plots'] .u-over").first().click({ position: { x: 200, y: 50 } });
     await page.waitForFunction(() => Number(document.querySelector("#instant").value) > 0.01);
+    const fault = VECTORS.find((name) => basename(name) === "driver-fault.narxrec");
+    await drop(page, { name: basename(fault), buffer: readFileSync(fault) });
+    await page.locator("[aria-label='Plots'] [role=img][aria-label*='legs driver at']").first().waitFor();
     assert.deepEqual(complaints, []);
 });
 

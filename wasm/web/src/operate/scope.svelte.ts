@@ -35,7 +35,7 @@ class Recorded {
     /** Tells the link to the present drive: the record of another one is removed. */
     belongsTo(link: Link | undefined): void {
         if (link !== this.#link) {
-            [this.#link, this.table, this.cursors, this.told] = [link, undefined, undefined, undefined];
+            [this.#link, this.table, this.cursors, this.told, this.armed] = [link, undefined, undefined, undefined, false];
         }
     }
 }

@@ -241,7 +241,7 @@ class Session {
         }
         if (this.#wasConnected && !connected) {
             // A drive that comes back must not start to turn.
-            this.interrupted = turns(this.view.state);
+            this.interrupted ||= turns(this.view.state);
             drive.stop();
         }
         this.#wasConnected = connected;

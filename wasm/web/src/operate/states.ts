@@ -14,24 +14,23 @@ export const STATES = [
     "Sensorless Auto-Restart",
 ] as const satisfies readonly StateName[];
 
-/** Faults, and their bits in the fault word. */
-export const FAULT_BITS: Readonly<Record<FaultName, number>> = {
-    temperature_warning: 0,
-    over_temperature: 1,
-    over_voltage: 2,
-    under_voltage: 3,
-    over_current: 4,
-    legs_driver: 5,
-    hall_sensors: 6,
-    over_pressure: 7,
-    store_mismatch: 26,
-    emergency_shutdown: 27,
-    external_shutdown: 28,
-    device_timeout: 29,
-    store_absent: 30,
-    store_version: 31,
+const BITS: Record<FaultName, true> = {
+    temperature_warning: true,
+    over_temperature: true,
+    over_voltage: true,
+    under_voltage: true,
+    over_current: true,
+    legs_driver: true,
+    hall_sensors: true,
+    over_pressure: true,
+    store_mismatch: true,
+    emergency_shutdown: true,
+    external_shutdown: true,
+    device_timeout: true,
+    store_absent: true,
+    store_version: true,
 };
-export const FAULTS = Object.keys(FAULT_BITS) as readonly FaultName[];
+export const FAULTS = Object.keys(BITS) as readonly FaultName[];
 
 export const STANDBY = 1;
 export const FAULT = 6;

@@ -107,7 +107,7 @@ export class JournalledBench {
             } else if (input.call === "inject") {
                 acting.faults.push(input.fault);
             } else if (input.call === "clear") {
-                acting.faults = [];
+                acting.faults = acting.faults.filter((fault) => input.fault !== undefined && fault !== input.fault);
             }
         }
         return acting;
