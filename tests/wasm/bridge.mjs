@@ -7,10 +7,11 @@ import { SlcanLines, encodeSlcan, openSlcan } from "../../wasm/pkg/node/core.js"
 const { WebSocketServer } = createRequire(new URL("../../wasm/web/package.json", import.meta.url))("ws");
 const [EXTENDED, REMOTE] = [0x8000_0000, 0x4000_0000];
 
-/** A bridge that wants a token: `{ url, token, written, refuse(reason), send(bytes), end() }`; `written` are the messages of the page. */
+/** A bridge that wants a token: `{ url, token, written, refuse(reason), send(bytes), mute(silent), end() }`; `written` are the messages of the page. */
 export async function serveBridge(port, token = "secret") {
     const server = new WebSocketServer({ port: 0, host: "127.0.0.1", verifyClient: ({ req }) => new URL(req.url, "ws://localhost").searchParams.get("token") === token });
     const written = [];
+    let muted = false;
     let client;
     const sockets = new Set();
     server.on("connection", (found) => {
@@ -19,7 +20,7 @@ export async function serveBridge(port, token = "secret") {
         sockets.add(socket);
         const lines = new SlcanLines();
         socket.write(openSlcan());
-        socket.on("data", (bytes) => lines.handleBytes(bytes).forEach((frame) => found.send(message(frame))));
+        socket.on("data", (bytes) => lines.handleBytes(bytes).forEach((frame) => muted || found.send(message(frame))));
         found.on("message", (bytes) => {
             written.push(bytes);
             const word = bytes.readUInt32LE(0);
@@ -35,6 +36,8 @@ export async function serveBridge(port, token = "secret") {
         written,
         refuse: (error) => client.send(JSON.stringify({ error })),
         send: (bytes) => client.send(bytes),
+        /** While it is silent the page receives nothing. */
+        mute: (silent) => (muted = silent),
         end() {
             sockets.forEach((socket) => socket.destroy());
             server.clients.forEach((found) => found.terminate());

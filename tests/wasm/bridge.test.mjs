@@ -54,6 +54,20 @@ test("a drive behind a bridge starts, turns and stops, a frame a message", async
     assert.deepEqual(complaints, []);
 });
 
+test("a drive that is lost while its motor turns is stopped, and the page says so once it is back", async () => {
+    const { page, complaints } = await connection();
+    await connect(page);
+    await standsBy(page);
+    await go(page, "main");
+    await start(page, 1800, 40);
+    bridge.mute(true);
+    await page.getByRole("status").getByText("No frames from the drive").waitFor();
+    bridge.mute(false);
+    await page.locator(".bar").getByText("The drive was not received while its motor turned. This page has requested Standby").waitFor();
+    await standsBy(page);
+    assert.deepEqual(complaints, []);
+});
+
 test("plots and measurements of a real drive go back in time, while strip and Stop are live", async () => {
     const { page, complaints } = await connection();
     await connect(page);

@@ -136,6 +136,41 @@ test("states, faults and set-points are marked in the plots", async () => {
     }
 });
 
+test("no button moves under the pointer when a drive is powered up", async () => {
+    const { page, complaints } = await operate(browser, "connection");
+    await page.evaluate(() => {
+        globalThis.places = new Set();
+        const look = () => {
+            globalThis.places.add(document.querySelector("#power-up").getBoundingClientRect().top);
+            requestAnimationFrame(look);
+        };
+        look();
+    });
+    await page.waitForFunction(() => Number(document.querySelector("#time").textContent) > 2);
+    await page.locator("#power-up").click();
+    await page.waitForFunction(() => Number(document.querySelector("#time").textContent) < 1);
+    await inState(page, "Standby");
+    await page.locator("#events").getByText(/^Events of the run: \d/).waitFor();
+    assert.equal(await page.evaluate(() => globalThis.places.size), 1);
+    assert.deepEqual(complaints, []);
+});
+
+test("a page whose motor turns asks before it is left", async () => {
+    const { page } = await operate(browser, "main");
+    const asked = [];
+    page.on("dialog", async (dialog) => {
+        asked.push(dialog.type());
+        await dialog.accept();
+    });
+    await start(page, 1500);
+    await page.reload();
+    assert.deepEqual(asked, ["beforeunload"]);
+    // Of a motor that stands still it does not ask.
+    await inState(page, "Standby");
+    await page.reload();
+    assert.deepEqual(asked, ["beforeunload"]);
+});
+
 test("the events of the run are listed, and each leads to its instant", async () => {
     const { page, complaints } = await operate(browser, "virtual");
     await start(page, 1500);

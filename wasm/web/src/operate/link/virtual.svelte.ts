@@ -23,10 +23,13 @@ export interface Reproduced {
     expected: string;
 }
 
+/** A run before its first tick. */
+const BEGIN: Now = { time: 0, ticks: 0, end: 0, pace: 1, truth: { state: 0, speed: 0, angle: 0, bus_current: 0 }, acting: { load: {}, faults: [] } };
+
 class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
-    #now: Now = { time: 0, ticks: 0, end: 0, pace: 1, truth: { state: 0, speed: 0, angle: 0, bus_current: 0 }, acting: { load: {}, faults: [] } };
+    #now = BEGIN;
     readonly #pulse = new Pulse();
     /** Simulated seconds in a second while time runs. */
     pace = $state(1);
@@ -215,6 +218,7 @@ class VirtualDrive {
                 break;
             case "opened":
                 this.opened = answer;
+                this.#tell(BEGIN);
                 this.pace = 1;
                 this.rows.clear();
                 break;
