@@ -34,6 +34,7 @@ use crate::plant::{Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
 #[cfg(feature = "tx-drivers")]
 use crate::tx_driver::TxDrivers;
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use narx_core::device::Device;
@@ -109,7 +110,7 @@ pub struct Bench {
     inputs_every: u64,
     tick_rate: u64,
     pole_pairs: f64,
-    kept: Option<Kept>,
+    kept: Option<Box<Kept>>,
     command: PwmCommand,
     hall: u8,
     /// Record from the next boot on.
@@ -162,7 +163,7 @@ impl Bench {
             inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
             tick_rate: board.tick_rate.max(1).into(),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
-            kept: config.trace.then(Kept::all),
+            kept: config.trace.then(|| Box::new(Kept::all())),
             command: PwmCommand::default(),
             hall: 0,
             record: true,

@@ -25,9 +25,9 @@ OWN = {"Over-voltage HV threshold": 27.0, "Minimum on-time": 6000}
 class Bench:
     """A board with its motor, and the master."""
 
-    def __init__(self, image, flash=None, motor=MOTOR, mutation=None, **plant):
+    def __init__(self, image, flash=None, motor=MOTOR, mutation=None, boot=None, **plant):
         self.plant = narx.Plant(motor, supply_voltage=SUPPLY, **{"capacitance": CAPACITANCE} | plant)
-        self.chip = Chip(image, self.plant, flash)
+        self.chip = Chip(image, self.plant, flash, boot)
         if mutation is not None:
             self.chip.mutate(mutation)
         self.bus = ChipBus(self.chip)
@@ -94,6 +94,12 @@ def forked(test):
 def image():
     """The drive's image; `cargo xtask test firmware` says where it is."""
     return Image(pathlib.Path(os.environ["NARX_BOARD_IMAGE"]))
+
+
+@pytest.fixture(scope="session")
+def boot():
+    """The bootloader's image."""
+    return Image(pathlib.Path(os.environ["NARX_BOARD_BOOTLOADER"]))
 
 
 def stored(image, mode):

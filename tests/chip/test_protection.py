@@ -1,14 +1,16 @@
 """What turns the gates off without the processor, and what the drive makes of it."""
 
 import pytest
-from conftest import forked
+from conftest import Bench, forked
+from faults import without, writes
 from narx import State
-from stm32g431 import SECOND
+from stm32g431 import SECOND, Stopped
 
 OFF = ("off", "off", "off")
 HARDWARE = 0.2e-6
 """Break: the comparator's delay, and eight clocks of the filter (docs/B-G431B-ESC1.md: within 0.1 us)."""
 TRIP = 25.0
+RESET_CAUSE, PROGRAM = 302, 5
 
 
 @forked
@@ -63,3 +65,27 @@ def test_a_master_that_falls_silent_stops_the_motor(turning):
     assert turning.chip.gates == OFF
     turning.chip.bus.is_there = True
     turning.reach(State.FAULT, 2.0)
+
+
+@forked
+def test_a_crystal_that_stops_turns_the_gates_off_and_resets_the_drive(turning):
+    chip = turning.chip
+    chip.clocks.set_crystal(runs=False)
+    assert chip.gates == OFF, "without the processor"
+    chip.run(0.01)
+    assert chip.resets == ["software"] and chip.gates == OFF
+    assert chip.clocks.rate == 16e6, "it waits for its crystal"
+    chip.clocks.set_crystal(runs=True)
+    assert turning.wait(lambda: turning.drive.state is State.STANDBY, 1.5)
+    assert turning.drive.parameters[RESET_CAUSE] == PROGRAM
+    turning.drive.start(1500)
+    turning.run(0.3)
+    assert turning.mean_speed() == pytest.approx(1500, rel=5e-3)
+
+
+@forked
+def test_a_crystal_that_nobody_watches_is_found(image, hall_flash):
+    bench = Bench(image, hall_flash, mutation=writes("RCC.CR", without(19)))
+    bench.stand_by()
+    with pytest.raises(Stopped, match="the crystal has stopped, and nobody watches it"):
+        bench.chip.clocks.set_crystal(runs=False)

@@ -104,6 +104,19 @@ pub(crate) fn build(root: &Path) -> Outcome {
     steps::run(cargo.args(["--features", key]).current_dir(root))
 }
 
+/// Builds the drive's image for a PWM of 20 kHz, in a folder of its own; returns its path.
+///
+/// # Errors
+/// Fails with cargo's message.
+pub(crate) fn build_at_20_khz(root: &Path) -> Result<PathBuf, String> {
+    let folder = target_directory(root).join("pwm-20-khz");
+    let mut cargo = Command::new("cargo");
+    cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bin", "drive", "--target", EMBEDDED]);
+    cargo.args(["--features", "pwm-20-khz", "--target-dir"]).arg(&folder);
+    steps::run(cargo.current_dir(root))?;
+    Ok(folder.join(EMBEDDED).join(PROFILE).join("drive"))
+}
+
 fn measure(root: &Path) -> Result<Vec<(&'static str, Measured)>, String> {
     let figures = |image: &Image| {
         let path = path(root, image.name);

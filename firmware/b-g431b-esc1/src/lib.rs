@@ -39,6 +39,6 @@ pub const BOARD: Board = Board {
 const BRIDGE_MILLIOHM: u16 = 5;
 
 /// 25 us: 2.6 us of conversions from the boundary on, and a control tick in this image's size-first code.
-pub const EARLIEST: u16 = 16_384;
+pub const EARLIEST: u16 = timing::instant(timing::counts(25_000));
 /// From the bus voltage's conversion to phase C's: three conversions of 25 clocks of 42.5 MHz.
 pub const SKEW: u16 = 1_157;

@@ -17,7 +17,7 @@ use narx_core::units::Duty;
 /// Clock of processor and timers, Hz.
 pub const CLOCK_HZ: u32 = 170_000_000;
 /// Periods a second.
-pub const TICK_RATE: u32 = 10_000;
+pub const TICK_RATE: u32 = if cfg!(feature = "pwm-20-khz") { 20_000 } else { 10_000 };
 /// Counts of a period.
 pub const PERIOD: u16 = (CLOCK_HZ / TICK_RATE) as u16;
 /// Count at which TIM1 turns round.
@@ -32,7 +32,8 @@ pub const BOOTSTRAP_NS: u16 = 2_000;
 /// Largest compare value: that low-side time and two dead times are left.
 pub const COMPARE_MAX: u16 = TOP - (counts(BOOTSTRAP_NS as u32) + 2 * DEAD_TIME) / 2;
 
-const fn counts(ns: u32) -> u16 {
+/// A time in counts, rounded up.
+pub const fn counts(ns: u32) -> u16 {
     (ns as u64 * CLOCK_HZ as u64).div_ceil(1_000_000_000) as u16
 }
 

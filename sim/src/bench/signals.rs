@@ -3,6 +3,7 @@
 use super::Bench;
 use crate::plant::{Observation, Plant, ShaftState};
 use crate::trace::{Signal, Trace};
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::cell::OnceCell;
 use core::num::NonZeroU32;
@@ -135,7 +136,7 @@ impl Bench {
     /// Keeps rows of all signals from now on, or forgets those so far and keeps none.
     pub fn set_trace(&mut self, keep: bool) {
         let kept = self.kept.take();
-        self.kept = keep.then(|| kept.unwrap_or_else(Kept::all));
+        self.kept = keep.then(|| kept.unwrap_or_else(|| Box::new(Kept::all())));
     }
 
     /// Keeps a row of one in `every` ticks from now on, with the signals at these places of [`SIGNALS`];
@@ -147,7 +148,7 @@ impl Bench {
             return false;
         }
         let columns = places.iter().filter_map(|place| TABLE.get(*place).copied());
-        self.kept = Some(Kept::of(columns, every));
+        self.kept = Some(Box::new(Kept::of(columns, every)));
         true
     }
 
@@ -179,15 +180,12 @@ impl Bench {
     }
 
     pub(super) fn keep(&mut self) {
-        if !self.kept.as_mut().is_some_and(Kept::is_due) {
-            return;
-        }
         // Taken out, because the values are the bench's.
-        let mut kept = self.kept.take();
-        if let Some(Kept { trace, values, .. }) = &mut kept {
+        let Some(mut kept) = self.kept.take() else { return };
+        if kept.is_due() {
             let tick = Tick::new(self);
-            trace.push_each(values.iter().map(|value| value(&tick)));
+            kept.trace.push_each(kept.values.iter().map(|value| value(&tick)));
         }
-        self.kept = kept;
+        self.kept = Some(kept);
     }
 }

@@ -16,7 +16,7 @@ from stm32g431.fdcan import Bus, Fdcan, MessageMemory
 from stm32g431.flash import Flash, PowerCut, blank
 from stm32g431.gpio import ANALOG, LOW, Port
 from stm32g431.power_timer import PowerTimer
-from stm32g431.processor import FLASH, FLASH_SIZE, Processor
+from stm32g431.processor import DATA, FLASH, FLASH_SIZE, Processor
 from stm32g431.registers import NEVER, SECOND, Register, Stopped
 from stm32g431.watchdog import LowPowerTimer, Watchdog
 
@@ -30,6 +30,8 @@ PULLED_UP = 1
 PRIORITY_BYTES = 0xE000_E400
 REGISTRY = b"/registry/src/"
 DEFAULT_MOTOR = "bly172s-24v"
+LONGEST = 1.0
+"""Time that the plant advances in one call, s."""
 
 
 class Image:
@@ -74,22 +76,25 @@ class Image:
 
 
 class Chip:
-    """An STM32G431 on the board, with an image in its flash and a motor.
+    """An STM32G431 on the board with a motor.
 
-    `flash`: contents of the whole flash before the image is put into it; blank by default.
+    `image`: the drive's. It is put into the flash and started, unless there is a `boot`loader: then that is, and what
+    it enters is what `flash` has in the slot. `flash`: contents of the whole flash before; blank by default.
     """
 
-    def __init__(self, image: Image, plant: narx.Plant | None = None, flash: bytes | None = None) -> None:
-        self.image = image
+    def __init__(self, image: Image, plant: narx.Plant | None = None, flash: bytes | None = None, boot: Image | None = None) -> None:
+        self.image, self.boot = image, boot
         self.plant = plant or narx.Plant(narx.Motor.preset(DEFAULT_MOTOR), supply_voltage=24.0)
         self.plant_start = 0
         self.lsi_rate = LSI
-        self.processor = Processor(self, image.end, image.stack_end)
+        self.processor = Processor(self)
         self.processor.flash[:] = flash or blank()
-        for start, data in image.segments:
+        for start, data in (boot or image).segments:
             self.processor.flash[start - FLASH : start - FLASH + len(data)] = data
         self.resets: list[str] = []
+        self.has_lost_power = False
         self.button_pressed = self.pwm_input = False
+        self.crystal_runs = True
         self.potentiometer = 2.0
         self.foreign_current = [0.0, 0.0, 0.0]
         """Currents that flow through the shunts beside the motor's, A: a fault of the wiring."""
@@ -117,7 +122,9 @@ class Chip:
         self.break_delay = NEVER
         self.gates = ("off", "off", "off")
         self.processor.reset_state()
-        self.processor.vectors = self.image.vectors
+        first = self.boot or self.image
+        self.processor.load(first.end, first.stack_end)
+        self.processor.vectors = first.vectors
         self.peripherals = []
         kept = [register.value for register in self.clocks.backup.registers.values()] if hasattr(self, "clocks") else None
         self.clocks = Clocks(self, causes)
@@ -140,7 +147,8 @@ class Chip:
         self.message_memory = MessageMemory(self)
         self.bus = Bus(self)
         if old_bus is not None:
-            self.bus.host, self.bus.passed, self.bus.is_there = old_bus.host, old_bus.passed, old_bus.is_there
+            for name in ("host", "passed", "is_there", "is_broken"):
+                setattr(self.bus, name, getattr(old_bus, name))
         self.power_timer = PowerTimer(self)
         self.eventful = [self.power_timer, *self.converters, self.capture_timer, self.bus, self.watchdog, self.core]
         self.trip = [NEVER, NEVER, NEVER]
@@ -152,6 +160,17 @@ class Chip:
         for mutation in self.mutations:
             mutation(self)
         self.processor.start()
+
+    def enter_slot(self) -> None:
+        """The bootloader branches to the program in the slot."""
+        if self.processor.vectors != self.image.vectors:
+            raise Stopped(f"enters the slot with vectors at {self.processor.vectors:#x}")
+        self.processor.load(DATA, self.image.stack_end)
+
+    def line(self, address: int) -> str:
+        """Source line of an address."""
+        in_boot = self.boot is not None and address < self.boot.end
+        return (self.boot if in_boot else self.image).line(address)
 
     def mutate(self, mutation: "Callable[[Chip], None]") -> None:
         """A deliberate fault of the driver, from the next access on and after every reset."""
@@ -247,11 +266,16 @@ class Chip:
     def run(self, seconds: float, until: Callable[[], bool] | None = None) -> bool:
         """Lets time pass; with `until` until that is true, which is returned."""
         end = self.processor.clock.time + round(seconds * SECOND)
+        if self.has_lost_power:
+            raise PowerCut
         try:
             return self._run(end, until)
+        except PowerCut:
+            self.has_lost_power = True
+            raise
         except Stopped as stopped:
             block = self.processor.clock.block
-            raise Stopped(f"{stopped} (at {self.time:.6f} s, {block:#010x}, {self.image.line(block)})") from None
+            raise Stopped(f"{stopped} (at {self.time:.6f} s, {block:#010x}, {self.line(block)})") from None
 
     def _run(self, end: int, until: Callable[[], bool] | None) -> bool:
         processor, clock = self.processor, self.processor.clock
@@ -292,7 +316,7 @@ class Chip:
             if pending < now:
                 seconds = (pending - self.plant_start) / SECOND - plant.time
             if seconds > 0:
-                plant.advance(seconds, self.trip_limit)
+                plant.advance(min(seconds, LONGEST), self.trip_limit)
                 for time, code in plant.hall_edges:
                     self.capture_timer.hall(self.plant_start + round(time * SECOND), code)
                 if self.trip_limit is not None:

@@ -1,12 +1,14 @@
 """Reset and clock control, power control, and what else is set once: SYSCFG (RM0440, sections 6, 7 and 10)."""
 
-from stm32g431.registers import SECOND, Peripheral
+from stm32g431.processor import NMI
+from stm32g431.registers import NEVER, SECOND, Peripheral
 
 MHZ = 1_000_000
 HSI, HSE = 16 * MHZ, 8 * MHZ
 LSI = 32_000
 HSE_START, PLL_START, LSI_START = SECOND // 500, SECOND // 25_000, SECOND // 7_500
 """Start-up times: 2 ms, 40 us, 133 us (DS12589, section 5.3)."""
+HSE_ON, SECURITY, PLL_ON, FAILURE = 1 << 16, 1 << 19, 1 << 24, 1 << 8
 FLAGS = {"option": 25, "pin": 26, "power": 27, "software": 28, "watchdog": 29}
 REMOVE_FLAGS = 1 << 23
 GATES = {
@@ -37,6 +39,9 @@ class Clocks(Peripheral):
         self.register(0x00, "CR", 0x030F_0500, read=self._control, write=self._set_control)
         self.register(0x08, "CFGR", 0x0000_00FF, value=1, read=self._switches, write=self._switch)
         self.register(0x0C, "PLLCFGR", 0x0700_7FF3, value=0x1000, write=self._set_pll)
+        self.read_only(0x1C, "CIFR", lambda: FAILURE if self.has_failed else 0)
+        self.write_only(0x20, "CICR", FAILURE, self._acknowledge)
+        self.has_failed = False
         self.on = 0x100
         for offset, name, start in ((0x48, "AHB1ENR", 0x100), (0x4C, "AHB2ENR", 0), (0x58, "APB1ENR1", 0x400), (0x60, "APB2ENR", 0)):
             known = start | sum(1 << bit for register, bit in GATES if register == name)
@@ -87,12 +92,38 @@ class Clocks(Peripheral):
     def _set_control(self, value: int) -> None:
         for name, bit, start in (("HSE", 16, HSE_START), ("PLL", 24, PLL_START)):
             if value >> bit & 1:
-                self.ready.setdefault(name, self.chip.now + start)
+                self.ready.setdefault(name, self.chip.now + start if name != "HSE" or self.chip.crystal_runs else NEVER)
             else:
                 self.ready.pop(name, None)
         if value >> 24 & 1 and not self.is_ready("HSE"):
             self.undefined("the PLL is started without its source")
         self.on = value & 0x0109_0100
+
+    def set_crystal(self, runs: bool) -> None:
+        """The crystal of the board stops, or starts again: clock security system (section 7.2.10)."""
+        self.chip.crystal_runs = runs
+        if not self.on & HSE_ON:
+            return
+        if runs:
+            self.ready["HSE"] = self.chip.now + HSE_START
+            return
+        if not self.on & SECURITY:
+            self.undefined("the crystal has stopped, and nobody watches it")
+        del self.ready["HSE"]
+        self.on &= ~HSE_ON
+        if self.registers["PLLCFGR"].value & 3 == 3:
+            self.on &= ~PLL_ON
+            self.ready.pop("PLL", None)
+        self._switch(1)
+        self.has_failed = True
+        self.chip.power_timer.fail()
+        self.chip.processor.set_level(NMI, True)
+        self.chip.attend()
+
+    def _acknowledge(self, value: int) -> None:
+        if value & FAILURE:
+            self.has_failed = False
+            self.chip.processor.set_level(NMI, False)
 
     def _set_pll(self, value: int) -> None:
         if self.on >> 24 & 1:

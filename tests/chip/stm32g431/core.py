@@ -69,6 +69,7 @@ class Core(Peripheral):
     def _schedule(self) -> None:
         period = (self.registers["SYST_RVR"].value + 1) * self.chip.clocks.unit
         self.due = self.systick_started + period if self.registers["SYST_CSR"].value & 1 else NEVER
+        self.chip.reschedule()
 
     def _systick(self) -> int:
         flag, self.flag = self.flag, False

@@ -138,13 +138,16 @@ class Fdcan(Peripheral):
 
     def is_on(self) -> bool:
         """Takes part in the bus."""
-        return not self.registers["CCCR"].value & INIT and not self.bus_off and self.chip.board_can_is_on()
+        works = self.chip.crystal_runs and self.chip.board_can_is_on()
+        return not self.registers["CCCR"].value & INIT and not self.bus_off and works
 
     # Errors (44.3.2)
 
-    def fail(self) -> None:
-        """A frame of ours was not acknowledged, or not understood."""
+    def fail(self, unheard: bool) -> None:
+        """A frame of ours was not acknowledged by anybody, or did not come as it was sent."""
         # A passive node's counter stops rising when nobody acknowledges.
+        if unheard and self.errors >= PASSIVE:
+            return
         self.errors = min(self.errors + 8, OFF)
         if self.errors >= OFF:
             self.bus_off = True
@@ -292,6 +295,8 @@ class Bus(Peripheral):
         """Frames that have passed: time, whether the host sent it, frame."""
         self.is_there = True
         """The host is on the bus, and acknowledges."""
+        self.is_broken = False
+        """The wires are shorted: no bit comes as it was sent."""
         self.on: tuple[bool, Frame] | None = None
 
     def send(self, frame: Frame) -> None:
@@ -303,7 +308,7 @@ class Bus(Peripheral):
         if self.on is not None:
             return
         ours = self.chip.fdcan.oldest()
-        theirs = self.host[0] if self.host and self.is_there else None
+        theirs = self.host[0] if self.host and self.is_there and not self.is_broken else None
         if ours is None and theirs is None:
             self.due = self.chip.fdcan.returns
             self.chip.reschedule()
@@ -332,9 +337,9 @@ class Bus(Peripheral):
                 self.host.popleft()
                 self.passed.append((self.chip.now, True, frame))
                 fdcan.receive(frame)
-        elif agrees and self.is_there and fdcan.requests:
+        elif agrees and self.is_there and not self.is_broken and fdcan.requests:
             fdcan.sent()
             self.passed.append((self.chip.now, False, frame))
         else:
             fdcan.sending = None
-            fdcan.fail()
+            fdcan.fail(unheard=not self.is_broken and not self.is_there)

@@ -2,10 +2,10 @@
 
 import struct
 
-from stm32g431.processor import FLASH, FLASH_SIZE, NMI, SYSTEM
+from stm32g431.processor import FLASH, FLASH_SIZE, NMI, PAGE, SYSTEM
 from stm32g431.registers import SECOND, Peripheral
 
-PAGE, WORD = 2048, 8
+WORD = 8
 ERASE, PROGRAM = SECOND * 22 // 1000, SECOND * 82 // 1_000_000
 """Times of a page and of a word, typical."""
 PG, PER, STRT, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
@@ -27,11 +27,13 @@ class Flash(Peripheral):
     def __init__(self, chip: object) -> None:
         super().__init__(chip, "FLASH", 0x4002_2000)
         self.memory = chip.processor.flash
-        self.torn: dict[int, int] = {} if not hasattr(chip, "flash") else chip.flash.torn
+        # These outlive a reset.
+        before = getattr(chip, "flash", None)
+        self.torn: dict[int, int] = before.torn if before else {}
         """Words whose check bits do not fit, by their offset."""
-        self.operations = 0 if not hasattr(chip, "flash") else chip.flash.operations
+        self.operations: int = before.operations if before else 0
         """Pages erased and words programmed so far."""
-        self.cut_at: int | None = None
+        self.cut_at: int | None = before.cut_at if before else None
         """The supply goes in the middle of this operation."""
         self.status, self.is_locked, self.keys = 0, True, []
         self.first: tuple[int, int] | None = None

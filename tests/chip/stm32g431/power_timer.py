@@ -261,6 +261,11 @@ class PowerTimer(Peripheral):
         else:
             self.break_due = NEVER
 
+    def fail(self) -> None:
+        """The clock has failed: always a source of the break (28.3.16)."""
+        if self.registers["BDTR"].value >> 12 & 1:
+            self.break_now(system=True)
+
     def break_now(self, system: bool = False) -> None:
         """All outputs go to their idle states: inactive here."""
         self.break_due = NEVER

@@ -2,6 +2,7 @@
 
 Traps of unicorn that this file knows: it has no NVIC; a branch to EXC_RETURN comes as interrupt 8; it gives no
 instruction count; the program counter that a callback reads is that of an older block; WFI ends emu_start.
+Memory that it executes cannot be watched, so of the flash only the running program is that; the rest are data.
 """
 
 import ctypes
@@ -20,7 +21,8 @@ from stm32g431.registers import NEVER, Stopped
 FLASH, FLASH_SIZE = 0x0800_0000, 0x2_0000
 RAM, RAM_SIZE = 0x2000_0000, 0x8000
 SYSTEM = 0x1FFF_7000
-PAGE = 0x1000
+PAGE, DATA = 0x800, FLASH + 118 * 1024
+"""Page of the flash, and of the emulator; the board's records and parameters, where no program stands."""
 NMI, HARD_FAULT, SYSTICK, EXTERNAL = 2, 3, 15, 16
 THREAD = 0x100
 """Priority of the program outside exceptions: below every other."""
@@ -55,26 +57,24 @@ def compiled() -> ctypes.CDLL:
 class Processor:
     """Cortex-M4F with its NVIC. `bus` has `read(address, size)` and `write(address, size, value)`."""
 
-    def __init__(self, bus: object, program_end: int, stack_end: int) -> None:
-        self.bus, self.stack_end = bus, stack_end
+    def __init__(self, bus: object) -> None:
+        self.bus = bus
         engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         engine.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
+        engine.ctl_set_page_size(PAGE)
         self.engine = engine
         # A copy of this process has its own memories.
         private = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
         self.flash = mmap.mmap(-1, FLASH_SIZE, flags=private)
         self.ram = mmap.mmap(-1, RAM_SIZE, flags=private)
-        # The pages behind the program are data of its own: they are registers to the emulator, so that errors of a
-        # word, and writes, are the flash controller's.
-        self.data_start = -(-program_end // PAGE) * PAGE
-        flash = ctypes.addressof((ctypes.c_char * FLASH_SIZE).from_buffer(self.flash))
+        self._flash = ctypes.addressof((ctypes.c_char * FLASH_SIZE).from_buffer(self.flash))
         ram = ctypes.addressof((ctypes.c_char * RAM_SIZE).from_buffer(self.ram))
-        code = unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC
-        engine.mem_map_ptr(FLASH, self.data_start - FLASH, code, flash)
+        engine.mem_map(FLASH, FLASH_SIZE, unicorn.UC_PROT_READ)
         engine.mem_map_ptr(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE, ram)
-        engine.mem_map(SYSTEM, PAGE, unicorn.UC_PROT_READ)
-        self._map_registers()
-        self.clock = Clock(deadline=NEVER, stack=arm.UC_ARM_REG_SP, start=FLASH, end=self.data_start, program=flash)
+        engine.mem_map(SYSTEM, 0x1000, unicorn.UC_PROT_READ)
+        for start, size in ((0x4000_0000, 0x3_0000), (0x4800_0000, 0x2000), (0x5000_0000, 0x2000), (0xE000_0000, 0x10_0000)):
+            self._map_registers(start, size)
+        self.clock = Clock(deadline=NEVER, stack=arm.UC_ARM_REG_SP, start=FLASH, program=self._flash)
         self.clock.stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
         self.clock.read = ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value
         hook = ctypes.c_size_t()
@@ -85,25 +85,36 @@ class Processor:
         self.exception = 0
         self.reset_state()
 
-    def _map_registers(self) -> None:
-        ends = FLASH + FLASH_SIZE
-        blocks = [(self.data_start, ends - self.data_start), (0x4000_0000, 0x3_0000), (0x4800_0000, 0x2000), (0x5000_0000, 0x2000), (0xE000_0000, 0x10_0000)]
-        for start, size in blocks:
+    def load(self, end: int, stack_end: int) -> None:
+        """What stands below `end` in the flash is the program from now on, with a stack down to `stack_end`. The pages
+        behind it are registers to the emulator, so that writes and errors of a word are the flash controller's.
+        """
+        self.data_start = -(-end // PAGE) * PAGE
+        self.stack_end = stack_end
+        self.clock.end = self.data_start
+        self.clock.lowest = NEVER
+        self.engine.mem_unmap(FLASH, FLASH_SIZE)
+        size = self.data_start - FLASH
+        self.engine.mem_map_ptr(FLASH, size, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC, self._flash)
+        self._map_registers(self.data_start, FLASH_SIZE - size)
+        # Code that was translated may have been written anew.
+        self.engine.ctl_flush_tb()
 
-            def read(engine: unicorn.Uc, offset: int, size: int, start: int) -> int:
-                try:
-                    return self.bus.read(start + offset, size)
-                except Exception as problem:
-                    self._stop(problem)
-                    return 0
+    def _map_registers(self, start: int, size: int) -> None:
+        def read(engine: unicorn.Uc, offset: int, size: int, _: object) -> int:
+            try:
+                return self.bus.read(start + offset, size)
+            except Exception as problem:
+                self._stop(problem)
+                return 0
 
-            def write(engine: unicorn.Uc, offset: int, size: int, value: int, start: int) -> None:
-                try:
-                    self.bus.write(start + offset, size, value)
-                except Exception as problem:
-                    self._stop(problem)
+        def write(engine: unicorn.Uc, offset: int, size: int, value: int, _: object) -> None:
+            try:
+                self.bus.write(start + offset, size, value)
+            except Exception as problem:
+                self._stop(problem)
 
-            self.engine.mmio_map(start, size, read, start, write, start)
+        self.engine.mmio_map(start, size, read, None, write, None)
 
     def _stop(self, problem: Exception) -> None:
         """Ends the run with this exception; a callback cannot raise it."""
@@ -134,7 +145,6 @@ class Processor:
         engine.reg_write(arm.UC_ARM_REG_CONTROL, 0)
         engine.reg_write(arm.UC_ARM_REG_SP, stack)
         engine.reg_write(arm.UC_ARM_REG_LR, 0xFFFF_FFFF)
-        self.clock.lowest = stack
         self.pc = entry & ~1
 
     # NVIC (B3.4)
@@ -254,7 +264,13 @@ class Processor:
         try:
             self.engine.emu_start(self.pc | 1, 0xFFFF_FFFF)
         except unicorn.UcError as error:
-            raise Stopped(f"the processor: {error}") from None
+            if self._problem is not None:
+                raise self._problem from None
+            self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)
+            if error.errno != unicorn.UC_ERR_FETCH_PROT or not self.data_start <= self.pc < DATA:
+                raise Stopped(f"the processor: {error}") from None
+            self.bus.enter_slot()
+            return
         if self._problem is not None:
             raise self._problem
         self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)

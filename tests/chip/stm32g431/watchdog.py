@@ -38,6 +38,7 @@ class Watchdog(Peripheral):
 
     def _feed(self) -> None:
         self.due = self.chip.now + (self.reload + 1) * (4 << self.prescaler) * self.lsi
+        self.chip.reschedule()
 
     def _set(self, name: str, value: int) -> None:
         if not self.is_open:

@@ -8,6 +8,7 @@ use crate::replayer::{ARGUMENTS, Replayer};
 use crate::test::python;
 use crate::{examples, hangs, instructions, others, proof, qemu, slots, small};
 use narx_report::steps::{self, Outcome, Step};
+use std::env;
 use std::path::Path;
 use std::process::Command;
 
@@ -84,11 +85,18 @@ pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
 /// Runs the board's own image on a model of its chip, against the simulated motor.
 fn chip(root: &Path) -> Outcome {
     let python = python::prepare(root)?;
+    slots::make_for_board(root)?;
+    let mut tests = Command::new(python);
+    if env::var_os("NARX_LONG").is_some_and(|long| long == "1") {
+        tests.env("NARX_BOARD_IMAGE_20_KHZ", board::build_at_20_khz(root)?);
+    }
     steps::run(
-        Command::new(python)
+        tests
             .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
             .arg(root.join("tests/chip"))
             .env("NARX_BOARD_IMAGE", board::path(root, "drive"))
+            .env("NARX_BOARD_BOOTLOADER", board::path(root, "boot"))
+            .env("NARX_BOARD_SLOTS", slots::directory_of_board(root))
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

@@ -7,7 +7,7 @@ fn main() {}
 
 #[cfg(target_os = "none")]
 mod image {
-    use cortex_m_rt::entry;
+    use cortex_m_rt::{entry, exception};
     use heapless::spsc::{Consumer, Queue};
     use narx_b_g431b_esc1::chip::fdcan::{self, ARRIVING, WAITING};
     use narx_b_g431b_esc1::chip::memory::Region;
@@ -57,9 +57,15 @@ mod image {
             // A controller that has gone bus-off is let back by this.
             let _ = fdcan::state();
             chip::show_loading(now);
+            // Until the next frame or the next millisecond.
+            cortex_m::asm::wfi();
         }
         reset::reset()
     }
+
+    /// A millisecond is over.
+    #[exception]
+    fn SysTick() {}
 
     #[interrupt]
     fn FDCAN1_IT0() {

@@ -51,12 +51,14 @@ pub fn start_for_loading() -> Clock {
     core.SYST.set_reload(1000 * clock::PER_US - 1);
     core.SYST.clear_current();
     core.SYST.enable_counter();
+    core.SYST.enable_interrupt();
     let [.., (bus, urgency)] = URGENCY;
     reset::enable(&mut core.NVIC, bus, urgency);
     Clock { timer: core.SYST, milliseconds: 0 }
 }
 
-/// Milliseconds, as far as somebody looks at least once in each: it stands still while a page is erased.
+/// Milliseconds, as far as somebody looks at least once in each: it stands still while a page is erased. Each
+/// wakes a processor that sleeps.
 pub struct Clock {
     timer: SYST,
     milliseconds: u64,
