@@ -132,7 +132,7 @@ class Bench:
         # A bar that would advance once says nothing.
         progress = False if progress is None and seconds <= STRETCH else progress
         # Runs of two threads follow each other, each with its own rows.
-        with self._running, Rows(self._bench, trace, signals, every, to) as rows, bar(seconds, "s", progress) as step:
+        with self._running, Rows(self._bench, trace, signals, every, to, seconds) as rows, bar(seconds, "s", progress) as step:
             end = self.time + seconds
             try:
                 while (left := end - self.time) > STRETCH:

@@ -19,7 +19,13 @@ class Rows:
     """Rows that a bench keeps during a run. As a context manager it ends that, and closes the file."""
 
     def __init__(
-        self, bench: _core.Bench, kept: bool, signals: Sequence[str] | None, every: int, to: str | PathLike[str] | None
+        self,
+        bench: _core.Bench,
+        kept: bool,
+        signals: Sequence[str] | None,
+        every: int,
+        to: str | PathLike[str] | None,
+        seconds: float,
     ) -> None:
         self._bench = bench
         known = [name for name, _ in bench.signals()]
@@ -29,6 +35,8 @@ class Rows:
         bench.keep_rows([known.index(name) for name in names], every)
         if not kept:
             bench.keep_no_rows()
+        elif self._path is None:
+            bench.reserve_rows(seconds)
 
     def pass_on(self) -> None:
         """Writes the rows since the previous call to the file, if there is one."""

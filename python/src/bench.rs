@@ -47,6 +47,15 @@ type Model = (String, String, Vec<(u32, &'static str, &'static str, String, Stri
 /// Result of a run: columns by name, units by name, and the recording.
 pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
 
+impl Bench {
+    /// Control ticks of a time.
+    fn ticks(&self, py: Python<'_>, seconds: Given) -> PyResult<u64> {
+        let seconds = error::magnitude("seconds", seconds, "s")?;
+        let rate = self.session.with(py, |session| session.bench().node().board().tick_rate);
+        Ok((seconds * f64::from(rate)).round() as u64)
+    }
+}
+
 #[pymethods]
 impl Bench {
     #[new]
@@ -100,10 +109,7 @@ impl Bench {
 
     /// Runs the simulation for `seconds`, to the nearest control tick.
     fn advance(&self, py: Python<'_>, seconds: Given) -> PyResult<()> {
-        let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks = self.session.with(py, |session| {
-            (seconds * f64::from(session.bench().node().board().tick_rate)).round() as u64
-        });
+        let ticks = self.ticks(py, seconds)?;
         self.session.run(py, ticks)
     }
 
@@ -122,6 +128,13 @@ impl Bench {
             true => Ok(()),
             false => Err(error::parameter(format!("places {places:?}: must be below {}", SIGNALS.len()))),
         }
+    }
+
+    /// Makes room for the rows of the next `seconds`.
+    fn reserve_rows(&self, py: Python<'_>, seconds: Given) -> PyResult<()> {
+        let ticks = self.ticks(py, seconds)?;
+        self.session.with(py, |session| session.bench_mut().reserve_trace(ticks));
+        Ok(())
     }
 
     /// Keeps no rows from now on; forgets those so far.

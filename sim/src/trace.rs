@@ -102,30 +102,23 @@ impl Trace {
         Self { signals: signals.to_vec(), columns: signals.iter().map(column).collect() }
     }
 
+    /// A trace of these columns, as long as each other and of the signals' precision.
+    pub(crate) fn of(signals: &[Signal], columns: Vec<Column>) -> Self {
+        Self { signals: signals.to_vec(), columns }
+    }
+
     /// Appends a row, one value for each signal in order.
     pub fn push(&mut self, row: &[f64]) -> Result<(), RowLength> {
         if row.len() != self.signals.len() {
             return Err(RowLength { given: row.len(), expected: self.signals.len() });
         }
-        self.push_each(row.iter().copied());
-        Ok(())
-    }
-
-    /// Appends a row of as many values as there are signals.
-    pub(crate) fn push_each(&mut self, row: impl Iterator<Item = f64>) {
         for (column, value) in self.columns.iter_mut().zip(row) {
             match column {
-                Column::Single(values) => values.push(value as f32),
-                Column::Double(values) => values.push(value),
+                Column::Single(values) => values.push(*value as f32),
+                Column::Double(values) => values.push(*value),
             }
         }
-    }
-
-    /// Returns the rows so far, and has none afterwards.
-    #[must_use]
-    pub fn take(&mut self) -> Self {
-        let empty = Self::new(&self.signals);
-        core::mem::replace(self, empty)
+        Ok(())
     }
 
     /// The signals in order.

@@ -2,10 +2,11 @@
 
 use super::Bench;
 use crate::plant::{Observation, Plant, ShaftState};
-use crate::trace::{Signal, Trace};
+use crate::trace::{Column, Precision, Signal, Trace};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::cell::OnceCell;
+use core::mem;
 use core::num::NonZeroU32;
 use narx_core::dictionary::number;
 use narx_core::motor::Drive;
@@ -98,11 +99,12 @@ impl<'a> Tick<'a> {
     }
 }
 
-/// Rows that a bench keeps.
+/// Rows that a bench keeps. A column is beside the function that fills it, so that a row is one pass.
 #[derive(Clone, Debug)]
 pub(super) struct Kept {
-    trace: Trace,
-    values: Vec<Value>,
+    signals: Vec<Signal>,
+    singles: Vec<(Value, Vec<f32>)>,
+    doubles: Vec<(Value, Vec<f64>)>,
     /// One row of this many ticks is kept.
     every: u32,
     /// Ticks to the next row.
@@ -117,8 +119,16 @@ impl Kept {
 
     /// These signals, in one of `every` ticks.
     fn of(columns: impl Iterator<Item = (Signal, Value)>, every: NonZeroU32) -> Self {
-        let (signals, values): (Vec<Signal>, Vec<Value>) = columns.unzip();
-        Self { trace: Trace::new(&signals), values, every: every.get(), left: every.get() }
+        let (signals, singles, doubles) = Default::default();
+        let mut kept = Self { signals, singles, doubles, every: every.get(), left: every.get() };
+        for (signal, value) in columns {
+            kept.signals.push(signal);
+            match signal.precision {
+                Precision::Single => kept.singles.push((value, Vec::new())),
+                Precision::Double => kept.doubles.push((value, Vec::new())),
+            }
+        }
+        kept
     }
 
     /// Returns whether the tick that has just ended has a row.
@@ -129,6 +139,33 @@ impl Kept {
         }
         self.left = self.every;
         true
+    }
+
+    fn reserve(&mut self, ticks: u64) {
+        let rows = usize::try_from(ticks.div_ceil(self.every.into())).unwrap_or(usize::MAX);
+        // Without room a column grows as its rows come.
+        self.singles.iter_mut().for_each(|(_, column)| drop(column.try_reserve_exact(rows)));
+        self.doubles.iter_mut().for_each(|(_, column)| drop(column.try_reserve_exact(rows)));
+    }
+
+    fn push(&mut self, tick: &Tick<'_>) {
+        for (value, column) in &mut self.singles {
+            column.push(value(tick) as f32);
+        }
+        for (value, column) in &mut self.doubles {
+            column.push(value(tick));
+        }
+    }
+
+    /// Returns the rows so far, and has none afterwards.
+    fn take(&mut self) -> Trace {
+        let mut singles = self.singles.iter_mut().map(|(_, column)| Column::Single(mem::take(column)));
+        let mut doubles = self.doubles.iter_mut().map(|(_, column)| Column::Double(mem::take(column)));
+        let columns = self.signals.iter().filter_map(|signal| match signal.precision {
+            Precision::Single => singles.next(),
+            Precision::Double => doubles.next(),
+        });
+        Trace::of(&self.signals, columns.collect())
     }
 }
 
@@ -152,14 +189,22 @@ impl Bench {
         true
     }
 
+    /// Makes room for the rows of so many ticks, so that those kept are not moved as others come. Without
+    /// the memory for it they are moved.
+    pub fn reserve_trace(&mut self, ticks: u64) {
+        if let Some(kept) = &mut self.kept {
+            kept.reserve(ticks);
+        }
+    }
+
     /// The rows so far; empty if the bench keeps none.
     pub fn trace(&self) -> Trace {
-        self.kept.as_ref().map_or_else(|| Trace::new(&SIGNALS), |kept| kept.trace.clone())
+        self.kept.clone().map_or_else(|| Trace::new(&SIGNALS), |mut kept| kept.take())
     }
 
     /// The rows since the last call, or since power-up; empty if the bench keeps none.
     pub fn take_trace(&mut self) -> Trace {
-        self.kept.as_mut().map_or_else(|| Trace::new(&SIGNALS), |kept| kept.trace.take())
+        self.kept.as_mut().map_or_else(|| Trace::new(&SIGNALS), |kept| kept.take())
     }
 
     /// The present value of every signal, in the order of [`SIGNALS`].
@@ -183,8 +228,7 @@ impl Bench {
         // Taken out, because the values are the bench's.
         let Some(mut kept) = self.kept.take() else { return };
         if kept.is_due() {
-            let tick = Tick::new(self);
-            kept.trace.push_each(kept.values.iter().map(|value| value(&tick)));
+            kept.push(&Tick::new(self));
         }
         self.kept = Some(kept);
     }
