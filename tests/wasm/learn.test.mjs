@@ -509,6 +509,13 @@ test("a phone's first screen always has a picture, or something to do", async ()
         await page.evaluate((route) => location.assign(route), route);
         await page.locator("main h1").waitFor();
         await page.locator("article svg, article canvas, article table").first().waitFor();
+        // Plots are loaded last, into places that have their height.
+        const plots = () => page.locator("article .waveforms").evaluateAll((found) => found.map((place) => ({ drawn: place.querySelector("canvas") !== null, height: place.offsetHeight, kept: Number.parseFloat(place.style.minHeight) })));
+        while ((await plots()).some(({ drawn }) => !drawn)) {
+            await page.waitForTimeout(50);
+        }
+        // Legends of many words take more lines on a phone.
+        assert.deepEqual((await plots()).filter(({ height, kept }) => height < kept || height > kept + 90), [], `${route}: plots as high as the places that were kept for them`);
         const places = (await pictures()).toSorted(([one], [two]) => one - two);
         assert.ok(places[0][0] < 740 / 2 + 80, `${route}: it begins at ${places[0][0]} px`);
         let end = 0;

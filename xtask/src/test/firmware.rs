@@ -92,7 +92,8 @@ fn chip(root: &Path) -> Outcome {
     }
     steps::run(
         tests
-            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
+            // The board's time is the model's own, so the tests of several files run at once.
+            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider", "-n", "auto", "--dist", "loadfile"])
             .arg(root.join("tests/chip"))
             .env("NARX_BOARD_IMAGE", board::path(root, "drive"))
             .env("NARX_BOARD_BOOTLOADER", board::path(root, "boot"))
