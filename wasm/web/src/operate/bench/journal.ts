@@ -12,6 +12,8 @@ export type Kit = Pick<typeof import("narx"), "Bench" | "Motor">;
 const ROWS = 1000;
 /** Largest number of copies of the bench, and their first distance in ticks. */
 const [COPIES_MAX, COPIES_APART] = [12, 50_000];
+/** Inputs that change load and faults. */
+const CHANGES: ReadonlySet<Input["call"]> = new Set(["setLoad", "inject", "clear"]);
 /** Longest run at once if its rows are not needed, ticks: requests are handled in between. */
 const PIECE = 50_000;
 
@@ -28,6 +30,8 @@ export class JournalledBench {
     #bench: Bench;
     /** All inputs of the run, including those after an instant to which it has returned. */
     #inputs: Input[] = [];
+    /** Places among the inputs of those that change load and faults; most inputs are frames. */
+    #changes: number[] = [];
     #applied = 0;
     /** The furthest tick of the run. */
     #end = 0;
@@ -40,7 +44,7 @@ export class JournalledBench {
         this.#kit = kit;
         // Without a recording: it grows by 50 KB in a second, in every copy of the bench.
         this.#bench = this.#powered(false);
-        this.#inputs = [...(run?.inputs ?? [])];
+        run?.inputs.forEach((input) => this.#note(input));
         this.#end = run?.ticks ?? 0;
     }
 
@@ -56,8 +60,15 @@ export class JournalledBench {
         const input = { ...action, tick: this.#bench.ticks } as Input;
         apply(this.#bench, input);
         this.#forget();
-        this.#inputs.push(input);
+        this.#note(input);
         this.#applied += 1;
+    }
+
+    #note(input: Input): void {
+        if (CHANGES.has(input.call)) {
+            this.#changes.push(this.#inputs.length);
+        }
+        this.#inputs.push(input);
     }
 
     /** Runs the bench for some ticks; returns new rows and frames. If the run had returned to an instant, its
@@ -101,7 +112,11 @@ export class JournalledBench {
 
     #acting(): Acting {
         const acting: Acting = { load: this.setup.options.load ?? {}, faults: [] };
-        for (const input of this.#inputs.slice(0, this.#applied)) {
+        for (const place of this.#changes) {
+            const input = this.#inputs[place];
+            if (place >= this.#applied) {
+                break;
+            }
             if (input.call === "setLoad") {
                 acting.load = input.load;
             } else if (input.call === "inject") {
@@ -184,6 +199,7 @@ export class JournalledBench {
         const now = this.#bench.ticks;
         if (this.#applied < this.#inputs.length || now < this.#end) {
             this.#inputs.length = this.#applied;
+            this.#changes = this.#changes.filter((place) => place < this.#applied);
             this.#end = now;
             this.#copies.filter(({ tick }) => tick > now).forEach(({ bench }) => bench.free());
             this.#copies = this.#copies.filter(({ tick }) => tick <= now);
