@@ -93,7 +93,17 @@ fn chip(root: &Path) -> Outcome {
     steps::run(
         tests
             // The board's time is the model's own, so the tests of several files run at once.
-            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider", "-n", "auto", "--dist", "loadfile"])
+            .args([
+                "-m",
+                "pytest",
+                "--color=no",
+                "-p",
+                "no:cacheprovider",
+                "-n",
+                "auto",
+                "--dist",
+                "loadfile",
+            ])
             .arg(root.join("tests/chip"))
             .env("NARX_BOARD_IMAGE", board::path(root, "drive"))
             .env("NARX_BOARD_BOOTLOADER", board::path(root, "boot"))
