@@ -51,6 +51,12 @@ class Bench:
         self.drive.stop()
         self.reach(State.STANDBY, 0.3)
 
+    def turns_at(self, speed):
+        """Starts the motor, and looks whether it reaches its speed."""
+        self.drive.start(speed)
+        self.run(0.3)
+        return self.mean_speed() == pytest.approx(speed, rel=5e-3)
+
     def mean_speed(self, seconds=0.05):
         """True speed over some time, rpm."""
         angle, time = self.plant.angle_deg, self.plant.time

@@ -33,9 +33,7 @@ def test_a_shunts_over_current_turns_the_gates_off_without_the_processor(turning
     turning.run(0.3)
     turning.drive.stop()
     turning.reach(State.STANDBY)
-    turning.drive.start(1500)
-    turning.run(0.3)
-    assert turning.mean_speed() == pytest.approx(1500, rel=5e-3)
+    assert turning.turns_at(1500)
 
 
 @forked
@@ -78,9 +76,7 @@ def test_a_crystal_that_stops_turns_the_gates_off_and_resets_the_drive(turning):
     chip.clocks.set_crystal(runs=True)
     assert turning.wait(lambda: turning.drive.state is State.STANDBY, 1.5)
     assert turning.drive.parameters[RESET_CAUSE] == PROGRAM
-    turning.drive.start(1500)
-    turning.run(0.3)
-    assert turning.mean_speed() == pytest.approx(1500, rel=5e-3)
+    assert turning.turns_at(1500)
 
 
 @forked

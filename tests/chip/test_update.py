@@ -15,8 +15,8 @@ SLOTS = pathlib.Path(os.environ["NARX_BOARD_SLOTS"])
 SLOT = 22 * 1024
 VECTORS = FLASH + SLOT + 512
 LEFT = 8
-"""Operations of the flash until the drive has made way: a page is erased, and a record written that counts with its
-last word but one. Then the bootloader erases pages and writes words."""
+"""Operations of the flash without which the drive has not made way for an image: a page is erased, and two records of
+four words are written, of which the second counts once three of its words are whole."""
 WATCHDOG = 32.0
 """Time that the bootloader's watchdog gives an image, s."""
 

@@ -131,8 +131,8 @@ class Processor:
         self.sleeps = False
         self.vectors = FLASH
         self.longest: dict[int, tuple[int, int]] = {}
-        """Instructions and time of the longest run of every exception."""
-        self._entered: list[tuple[int, int, int]] = []
+        """Instructions and time of the longest run of every exception, without those that interrupt it."""
+        self._entered: list[list[int]] = []
 
     def start(self) -> None:
         """Loads stack pointer and program counter from the vector table (B1.5.5)."""
@@ -209,7 +209,7 @@ class Processor:
         self.engine.reg_write(arm.UC_ARM_REG_XPSR, 1 << 24 | exception)
         vector = struct.unpack_from("<I", self.flash, self.vectors - FLASH + 4 * exception)[0]
         self.pc = vector & ~1
-        self._entered.append((exception, self.clock.instructions, self.clock.time))
+        self._entered.append([exception, self.clock.instructions, self.clock.time])
 
     def leave(self) -> None:
         """Exception return (B1.5.8); an exception that waits is entered without unstacking (tail-chaining)."""
@@ -217,6 +217,10 @@ class Processor:
         self.active.pop()
         exception, instructions, time = self._entered.pop()
         spent = (self.clock.instructions - instructions, self.clock.time - time)
+        if self._entered:
+            # What it has interrupted began as much later.
+            outer = self._entered[-1]
+            outer[1], outer[2] = outer[1] + spent[0], outer[2] + spent[1]
         self.longest[exception] = max(self.longest.get(exception, (0, 0)), spent)
         waiting = self.waiting()
         engine = self.engine
