@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
@@ -307,8 +308,8 @@ class TxDriver:
     def _command(self, command: str) -> None:
         self._master.command(command)
         self._link.wake()
-        # Time for the command to be sent before anything else.
-        self._link.wait(lambda: False, 0.002)
+        # Whoever changes the master next, as `set_node_id` does, must not lose the command.
+        self._link.wait(lambda: self._master.has_sent, math.inf)
 
     def _ask(self, row: Object, raw: int | None) -> int:
         answer: list[int] = []

@@ -111,6 +111,12 @@ impl TxMaster {
         self.with(|station| station.master.command(command)).map_err(not_taken)
     }
 
+    /// True once every command has been sent.
+    #[getter]
+    fn has_sent(&self) -> bool {
+        self.with(|station| station.master.has_sent())
+    }
+
     /// Sends a SYNC.
     fn sync(&self) -> PyResult<()> {
         self.with(|station| station.master.sync()).map_err(not_taken)

@@ -1,5 +1,6 @@
 """`narx.TxDriver` behaves alike on a bench, on a bus in simulated time, and on a bus in real time."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import narx
+from narx import link
 
 BUS: dict[str, Any] = {"interface": "narx", "motor": "ec45-flat-50w-18v", "supply_voltage": 18.0, "mode": "hall"}
 EDS = str(Path(__file__).parents[2] / "docs" / "eddycan-single.eds")
@@ -93,6 +95,22 @@ def test_another_address(tx: narx.TxDriver) -> None:
     assert tx.parameters["Bitrate Index"] == 2
     with pytest.raises(narx.ParameterError, match="bitrate 42 bit/s: must be one of 50000, 100000,"):
         tx.set_bitrate(42)
+
+
+def test_a_command_is_sent_before_its_call_returns(tx: narx.TxDriver, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thread of the link may be late. A command that was not sent yet went with the old node-id."""
+    send, due_since = link.send_due, math.inf
+
+    def late(master: Any, bus: can.BusABC, now: float) -> None:
+        nonlocal due_since
+        due_since = min(due_since, now) if master.next_poll(now) < now + 1e-6 else math.inf
+        if now - due_since >= 0.01:
+            send(master, bus, now)
+            due_since = math.inf
+
+    monkeypatch.setattr(link, "send_due", late)
+    tx.set_node_id(9)
+    assert tx.parameters["Node-ID"] == 9
 
 
 @pytest.mark.parametrize(

@@ -106,6 +106,11 @@ impl TxMaster {
         self.tell(ToNode::RequestPdo { node: self.config.node, bytes: self.config.layout.length() })
     }
 
+    /// Returns whether all messages without an answer have been taken by [`Self::poll_frame`].
+    pub fn has_sent(&self) -> bool {
+        self.commands.is_empty()
+    }
+
     /// Reads or writes an entry. Answers come in the order of the requests.
     ///
     /// # Errors
@@ -153,7 +158,7 @@ impl TxMaster {
 
     /// Latest time of the next poll, if no frame arrives and nothing is requested until then.
     pub fn next_poll(&self, now: u64) -> u64 {
-        if self.commands.is_empty() { self.requests.deadline(now, self.config.timeout) } else { now }
+        if self.has_sent() { self.requests.deadline(now, self.config.timeout) } else { now }
     }
 
     fn tell(&mut self, message: ToNode) -> Result<(), NotTaken> {
