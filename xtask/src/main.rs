@@ -41,7 +41,7 @@ mod web;
 
 use clap::{Parser, Subcommand};
 use narx_report::steps::{Outcome, Step, finish, run, run_all};
-use programs::{GENERATE, LAB, Program, TERMINAL};
+use programs::{GENERATE, LAB, LAB_RELEASE, Program, TERMINAL};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -180,10 +180,10 @@ fn main() -> ExitCode {
         Job::Sign(arguments) => other(TERMINAL, "sign", arguments),
         Job::Test { target } => test::run(root, target),
         Job::Bench(arguments) => finish(bench::run(root, &arguments)),
-        Job::Quality(arguments) => other(LAB, "quality", arguments),
-        Job::Certificate(arguments) => other(LAB, "certificate", arguments),
-        Job::Identify(arguments) => other(LAB, "identify", arguments),
-        Job::Worlds(arguments) => other(LAB, "worlds", arguments),
+        Job::Quality(arguments) => other(LAB_RELEASE, "quality", arguments),
+        Job::Certificate(arguments) => other(LAB_RELEASE, "certificate", arguments),
+        Job::Identify(arguments) => other(LAB_RELEASE, "identify", arguments),
+        Job::Worlds(arguments) => other(LAB_RELEASE, "worlds", arguments),
         Job::Vectors(arguments) => other(LAB, "vectors", arguments),
         Job::Conformance(Other { arguments }) => finish(test::conformance(root, &arguments)),
         Job::Generate => generate(root),

@@ -10,7 +10,7 @@ mod python;
 mod speed;
 mod tools;
 
-use crate::programs::LAB;
+use crate::programs::LAB_RELEASE;
 use clap::Args;
 use narx_report::figures::{self, Part, Report};
 use std::ffi::OsString;
@@ -106,7 +106,7 @@ pub(crate) fn run(root: &Path, arguments: &Arguments) -> Result<Vec<String>, Str
             Some(case) => option("--case", case.to_string()),
             None => option("--only", promises),
         }
-        LAB.run(root, &call)
+        LAB_RELEASE.run(root, &call)
     };
     if arguments.case.is_some() {
         return kept.map(|_| Vec::new());
