@@ -9,13 +9,8 @@ use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
 
-/// Cases that do not start yet, each with its fault: 45 overspeed after hand-over (0x1b03; inertia x0.23),
-/// 119 over-voltage at 56.5 V (0x0201). No case may be added here: the promise is 99.9 % of all, which `cargo
-/// xtask bench` counts.
-const KNOWN: [u64; 2] = [45, 119];
-
-/// Of two hundred of the bench's ten thousand plants none but the known ones may fail, at most a twentieth
-/// may need Auto-restart, and none may end without a name.
+/// Of two hundred of the bench's ten thousand plants none may fail, at most a twentieth may need Auto-restart,
+/// and none may end without a name.
 #[test]
 fn two_hundred_random_plants_start() {
     let cases: Vec<u64> = (0..200).collect();
@@ -31,10 +26,23 @@ fn two_hundred_random_plants_start() {
     let first = starts.iter().filter(|start| start.started_at_once()).count();
     let started = starts.iter().filter(|start| start.started()).count();
     println!("{first} at the first try, {started} within Auto-restart");
-    assert_eq!(list(&|start| !start.started() && !KNOWN.contains(&start.case)), "", "did not start");
+    assert_eq!(list(&|start| !start.started()), "", "did not start");
     assert!(first >= 190, "{first} at the first try; not:\n{}", list(&|start| !start.started_at_once()));
     assert_eq!(list(&|start| !start.is_accounted_for()), "");
     assert_eq!(list(&|start| start.to_closed_loop > 3.0), "");
+}
+
+/// Two plants at 20 kHz with little friction, which coast onto their set-point. Current in the windings hides
+/// the terminals for the first 0.8 ms, about a revolution of theirs. Neither is that a sign of a slower rotor
+/// (case 408 ended in over-voltage), nor does the first place afterwards tell how far it has turned (case 29
+/// ended as desynchronised).
+#[test]
+fn a_rotor_that_coasts_for_a_revolution_unseen_is_led_on() {
+    let board = Board::BENCH.at_rate(20_000).unwrap();
+    for case in [29, 408] {
+        let start = Start::run(case, &board).unwrap();
+        assert!(start.started(), "{start}");
+    }
 }
 
 /// Parameter 84 is in per cent of the nominal voltage: a motor that was brought up without sensors goes on in

@@ -244,13 +244,8 @@ impl ZeroCrossing {
             self.listening.reset(self.now);
             return;
         }
-        let passage =
-            self.listening.step(&self.ready.back_emf, self.now, &samples.phase_voltage, applied.sample_at);
-        if let Some(passage) = passage
-            && (passage.direction == self.estimator.direction() || self.listening.agrees())
-        {
-            self.estimator.observe_coasting(self.now, passage.place, passage.age, passage.direction);
-        }
+        let (c, codes) = (&self.ready.back_emf, &samples.phase_voltage);
+        self.listening.inform(&mut self.estimator, c, self.now, codes, applied.sample_at);
     }
 
     /// Evaluates a tick with the bridge on; returns the age of a crossing that the estimator accepts.

@@ -99,12 +99,19 @@ impl<'a> Tick<'a> {
     }
 }
 
-/// Rows that a bench keeps. A column is beside the function that fills it, so that a row is one pass.
+/// Rows by which columns grow.
+const BLOCK: usize = 256;
+
+/// Rows that a bench keeps. A column is beside the function that fills it, so that a row is one pass; and all
+/// columns have room for the same rows, so that this is checked once a row.
 #[derive(Clone, Debug)]
 pub(super) struct Kept {
     signals: Vec<Signal>,
     singles: Vec<(Value, Vec<f32>)>,
     doubles: Vec<(Value, Vec<f64>)>,
+    rows: usize,
+    /// Length of the columns: rows, and room for more.
+    room: usize,
     /// One row of this many ticks is kept.
     every: u32,
     /// Ticks to the next row.
@@ -120,7 +127,8 @@ impl Kept {
     /// These signals, in one of `every` ticks.
     fn of(columns: impl Iterator<Item = (Signal, Value)>, every: NonZeroU32) -> Self {
         let (signals, singles, doubles) = Default::default();
-        let mut kept = Self { signals, singles, doubles, every: every.get(), left: every.get() };
+        let every = every.get();
+        let mut kept = Self { signals, singles, doubles, rows: 0, room: 0, every, left: every };
         for (signal, value) in columns {
             kept.signals.push(signal);
             match signal.precision {
@@ -143,22 +151,42 @@ impl Kept {
 
     fn reserve(&mut self, ticks: u64) {
         let rows = usize::try_from(ticks.div_ceil(self.every.into())).unwrap_or(usize::MAX);
-        // Without room a column grows as its rows come.
+        let rows = rows.saturating_add(BLOCK);
+        // Without the memory a column grows as its rows come.
         self.singles.iter_mut().for_each(|(_, column)| drop(column.try_reserve_exact(rows)));
         self.doubles.iter_mut().for_each(|(_, column)| drop(column.try_reserve_exact(rows)));
     }
 
+    #[cold]
+    fn make_room(&mut self) {
+        self.room += BLOCK;
+        self.singles.iter_mut().for_each(|(_, column)| column.resize(self.room, 0.0));
+        self.doubles.iter_mut().for_each(|(_, column)| column.resize(self.room, 0.0));
+    }
+
     fn push(&mut self, tick: &Tick<'_>) {
+        if self.rows == self.room {
+            self.make_room();
+        }
         for (value, column) in &mut self.singles {
-            column.push(value(tick) as f32);
+            if let Some(place) = column.get_mut(self.rows) {
+                *place = value(tick) as f32;
+            }
         }
         for (value, column) in &mut self.doubles {
-            column.push(value(tick));
+            if let Some(place) = column.get_mut(self.rows) {
+                *place = value(tick);
+            }
         }
+        self.rows += 1;
     }
 
     /// Returns the rows so far, and has none afterwards.
     fn take(&mut self) -> Trace {
+        let rows = mem::take(&mut self.rows);
+        self.room = 0;
+        self.singles.iter_mut().for_each(|(_, column)| column.truncate(rows));
+        self.doubles.iter_mut().for_each(|(_, column)| column.truncate(rows));
         let mut singles = self.singles.iter_mut().map(|(_, column)| Column::Single(mem::take(column)));
         let mut doubles = self.doubles.iter_mut().map(|(_, column)| Column::Double(mem::take(column)));
         let columns = self.signals.iter().filter_map(|signal| match signal.precision {

@@ -10,6 +10,7 @@
 //! ```
 
 use super::back_emf::BackEmfCoefficients;
+use super::zero_crossing::ZeroCrossing;
 use crate::motor::clock::Instant;
 use crate::motor::commutate::commutation::Direction;
 use crate::motor::interval::TICK;
@@ -80,6 +81,28 @@ impl Listening {
         }
         (self.previous, self.sampled_at) = (*codes, sample_at);
         true
+    }
+
+    /// One tick with the bridge off, and what it tells the estimator. True if the estimate has changed.
+    pub fn inform(
+        &mut self,
+        estimator: &mut ZeroCrossing,
+        c: &BackEmfCoefficients,
+        now: Instant,
+        codes: &[u16; 3],
+        sample_at: u16,
+    ) -> bool {
+        let passage = self.step(c, now, codes, sample_at);
+        if !self.settled {
+            estimator.see_nothing(now);
+        }
+        match passage {
+            Some(passage) if passage.direction == estimator.direction() || self.agrees() => {
+                estimator.observe_coasting(now, passage.place, passage.age, passage.direction);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// One tick with the bridge off.

@@ -290,14 +290,8 @@ impl Sensorless {
             self.listening.reset(now);
             return false;
         }
-        let passage = self.listening.step(&c.back_emf, now, &samples.phase_voltage, applied.sample_at);
-        match passage {
-            Some(passage) if passage.direction == self.estimator.direction() || self.listening.agrees() => {
-                self.estimator.observe_coasting(now, passage.place, passage.age, passage.direction);
-                true
-            }
-            _ => false,
-        }
+        let codes = &samples.phase_voltage;
+        self.listening.inform(&mut self.estimator, &c.back_emf, now, codes, applied.sample_at)
     }
 
     /// Begins to listen: observations from before are forgotten.

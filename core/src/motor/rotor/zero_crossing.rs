@@ -207,6 +207,12 @@ impl ZeroCrossing {
         }
     }
 
+    /// Until `now` no place could be seen, so that none was seen says nothing about the speed.
+    pub fn see_nothing(&mut self, now: Instant) {
+        self.pass(now);
+        self.fresh = 0;
+    }
+
     /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago,
     /// while it turns in `direction`.
     pub fn observe_coasting(&mut self, now: Instant, place: u8, age: i32, direction: Direction) {
@@ -255,7 +261,7 @@ impl ZeroCrossing {
         let twelfths = self.twelfths_to(place);
         // After a revolution without a crossing that was seen the places no longer tell how far it has
         // turned.
-        if self.blind.saturating_add(self.late) >= REVOLUTION {
+        if self.hidden() || self.blind.saturating_add(self.late) >= REVOLUTION {
             (self.intervals, self.valid, self.speed_mean) = ([0; 6], 0, self.speed);
             self.since = u32::MAX;
         }
@@ -269,6 +275,14 @@ impl ZeroCrossing {
         self.predict_by(self.valid);
         self.correct(place, miss, age, prepared);
         self.why = why;
+    }
+
+    /// This is the first place since the bridge went off, and until then the windings' current has hidden a
+    /// revolution.
+    fn hidden(&self) -> bool {
+        let revolution = self.interval.saturating_mul(REVOLUTION.into());
+        let first = self.coasting && self.why != Why::Listened;
+        first && revolution > 0 && self.since >= revolution
     }
 
     /// Returns the rotor's angle `age` ago, and its distance from the estimated angle, u32 turn. Stores that
