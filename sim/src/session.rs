@@ -202,6 +202,8 @@ pub struct Session {
     start: Option<i32>,
     /// Time at which the drive will have received two of the master's requests for Standby, ns.
     ready: u64,
+    /// Until then the master sends nothing unless it is told to, or receives a frame, microseconds.
+    silent_until: u64,
     /// The image of the master's update.
     #[cfg(feature = "update")]
     image: Vec<u8>,
@@ -224,6 +226,7 @@ impl Session {
             commissioning,
             start: None,
             ready: 0,
+            silent_until: 0,
             #[cfg(feature = "update")]
             image: Vec::new(),
         })
@@ -250,13 +253,13 @@ impl Session {
         match job {
             Job::Start { rpm } => {
                 self.start(rpm);
-                self.master.begin(Job::AwaitStart { rpm })
+                self.master().begin(Job::AwaitStart { rpm })
             }
             job => {
                 if !job.is_record() {
                     self.start = None;
                 }
-                self.master.begin(job)
+                self.master().begin(job)
             }
         }
     }
@@ -265,14 +268,14 @@ impl Session {
     pub fn set_speed(&mut self, rpm: u16) {
         match &mut self.start {
             Some(start) => *start = start.signum() * i32::from(rpm),
-            None => self.master.set_speed(rpm),
+            None => self.master().set_speed(rpm),
         }
     }
 
     /// Asks for Standby.
     pub fn stop(&mut self) {
         self.start = None;
-        self.master.stop();
+        self.master().stop();
     }
 
     /// A start was asked for that the drive does not yet know of.
@@ -289,15 +292,21 @@ impl Session {
         if now >= self.ready
             && let Some(rpm) = self.start.take()
         {
-            self.master.start(rpm);
+            self.master().start(rpm);
         }
-        while let Some(frame) = self.poll_frame(now / 1000) {
-            // Two frames every 50 ms, a request at a time and a window of blocks do not fill a queue of 64.
-            let _ = self.bench.send(frame);
+        let now = now / 1000;
+        if now >= self.silent_until {
+            while let Some(frame) = self.poll_frame(now) {
+                // Two frames every 50 ms, a request at a time and a window of blocks do not fill a queue of
+                // 64.
+                let _ = self.bench.send(frame);
+            }
+            // A job looks at what the drive says in every tick.
+            self.silent_until = if self.master.is_at_work() { now } else { self.master.next_poll(now) };
         }
         self.bench.step();
         while let Some(received) = self.bench.receive() {
-            self.master.handle_frame(&received.frame, received.time_ns / 1000);
+            self.master().handle_frame(&received.frame, received.time_ns / 1000);
         }
     }
 
@@ -315,7 +324,7 @@ impl Session {
     /// An update whose end was not taken yet.
     #[cfg(feature = "update")]
     pub fn update(&mut self, image: Image, bytes: Vec<u8>) -> Result<(), NotTaken> {
-        self.master.update(image)?;
+        self.master().update(image)?;
         self.image = bytes;
         Ok(())
     }
@@ -338,6 +347,7 @@ impl Session {
 
     /// The master: what the drive is asked for, and what it says.
     pub const fn master(&mut self) -> &mut Master {
+        self.silent_until = 0;
         &mut self.master
     }
 

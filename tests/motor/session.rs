@@ -3,6 +3,7 @@
 use narx_core::commissioning::Mode;
 use narx_core::dictionary::engineering::{self, ValueError};
 use narx_core::dictionary::{Dictionary, Parameters, number};
+use narx_core::master::{Job, Request};
 use narx_core::motor::State;
 use narx_core::recording::{Recording, replay};
 use narx_sim::presets::preset;
@@ -33,6 +34,38 @@ fn starts_changes_speed_and_stops_when_asked() {
     let file = session.bench().recording();
     let outcome = replay::<narx_core::motor::Drive>(&Recording::open(&file).unwrap()).unwrap();
     assert_eq!((outcome.ticks, outcome.digest), (56_000, session.bench().digest()));
+}
+
+/// The master is polled when it says so. Each access to it is followed by a poll, so the second session polls
+/// it in every tick; its frames are the same.
+#[test]
+fn a_master_that_is_polled_when_it_is_due_sends_the_same_frames() {
+    let [mut due, mut always] = [(); 2].map(|()| Session::new(&config()).unwrap());
+    let (mut frames, mut ticks) = (0, 0);
+    let mut run = |seconds: f64, act: &dyn Fn(&mut Session)| {
+        [&mut due, &mut always].into_iter().for_each(act);
+        for _ in 0..(seconds * 10_000.0) as u32 {
+            due.step();
+            always.master();
+            always.step();
+            loop {
+                let frame = due.bench_mut().monitor();
+                assert_eq!(frame, always.bench_mut().monitor());
+                if frame.is_none() {
+                    break;
+                }
+                frames += 1;
+            }
+            ticks += 1;
+        }
+    };
+    run(0.7, &|_| {});
+    run(1.0, &|session| session.begin(Job::Start { rpm: 1500 }).unwrap());
+    run(0.5, &|session| session.set_speed(2500));
+    run(0.5, &|session| session.master().request(Request::Read { number: number::SPEED_KP_SL }).unwrap());
+    run(0.5, &|session| session.master().request(Request::Reboot).unwrap());
+    assert_eq!(due.bench().digest(), always.bench().digest());
+    assert!(frames > 500, "{frames} frames in {ticks} ticks");
 }
 
 /// The session keeps a request during boot until the drive can take it, because the drive would ignore it.
