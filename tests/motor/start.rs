@@ -9,8 +9,8 @@ use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
 
-/// Of two hundred of the bench's ten thousand plants none may fail, at most a twentieth may need Auto-restart,
-/// and none may end without a name.
+/// Of two hundred of the bench's ten thousand plants none may fail, at most a twentieth may need
+/// Auto-restart, and none may end without a name.
 #[test]
 fn two_hundred_random_plants_start() {
     let cases: Vec<u64> = (0..200).collect();

@@ -14,7 +14,7 @@ pub(crate) struct Program(&'static str, &'static str);
 pub(crate) const TERMINAL: Program = Program("narx-terminal", "desk");
 /// Experiments on the bench: what a test or a generated file needs of them takes seconds.
 pub(crate) const LAB: Program = Program("narx-lab", "desk");
-/// The same for experiments that run for hours, or that measure how fast they run.
+/// Experiments that run for hours, or that measure how fast they run.
 pub(crate) const LAB_RELEASE: Program = Program("narx-lab", "release");
 /// Files that follow from the code.
 pub(crate) const GENERATE: Program = Program("narx-generate", "desk");
