@@ -32,10 +32,10 @@ fn two_hundred_random_plants_start() {
     assert_eq!(list(&|start| start.to_closed_loop > 3.0), "");
 }
 
-/// Two plants at 20 kHz with little friction, which coast onto their set-point. Current in the windings hides
-/// the terminals for the first 0.8 ms, about a revolution of theirs. Neither is that a sign of a slower rotor
-/// (case 408 ended in over-voltage), nor does the first place afterwards tell how far it has turned (case 29
-/// ended as desynchronised).
+/// Two plants at 20 kHz that coast onto their set-point. For the first 0.8 ms the drive does not look at the
+/// terminals, because the windings may carry current; the rotor may turn by a revolution meanwhile. That no
+/// place was seen does not mean that the rotor is slow (case 408 ended in over-voltage), and the first place
+/// that is seen does not tell how far the rotor has turned (case 29).
 #[test]
 fn a_rotor_that_coasts_for_a_revolution_unseen_is_led_on() {
     let board = Board::BENCH.at_rate(20_000).unwrap();

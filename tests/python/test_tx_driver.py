@@ -98,7 +98,7 @@ def test_another_address(tx: narx.TxDriver) -> None:
 
 
 def test_a_command_is_sent_before_its_call_returns(tx: narx.TxDriver, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The thread of the link may be late. A command that was not sent yet went with the old node-id."""
+    """The thread that sends may be late. A command that still waited was lost when the node-id changed."""
     send, due_since = link.send_due, math.inf
 
     def late(master: Any, bus: can.BusABC, now: float) -> None:

@@ -106,7 +106,7 @@ impl TxMaster {
         self.tell(ToNode::RequestPdo { node: self.config.node, bytes: self.config.layout.length() })
     }
 
-    /// Returns whether all messages without an answer have been taken by [`Self::poll_frame`].
+    /// Returns whether every command, SYNC and request for PDO3 was taken by [`Self::poll_frame`].
     pub fn has_sent(&self) -> bool {
         self.commands.is_empty()
     }
