@@ -63,6 +63,14 @@ class Bench:
         self.run(seconds)
         return (self.plant.angle_deg - angle) / 360.0 / (self.plant.time - time) * 60.0
 
+    def bus_currents(self, seconds=0.2):
+        """Mean current out of the supply, and what the drive shows of it, A."""
+        charge, time, shown = self.plant.charge, self.plant.time, []
+        while self.plant.time < time + seconds:
+            self.run(0.02)
+            shown.append(self.drive.measurements["HV Current"])
+        return (self.plant.charge - charge) / (self.plant.time - time), sum(shown) / len(shown)
+
     def commission(self, mode):
         """Writes the parameters that differ, and stores them."""
         for name, value in (MOTOR.commission(SUPPLY, mode=mode) | OWN).items():

@@ -26,7 +26,9 @@ def test_a_hall_motor_starts_holds_its_speed_under_load_reverses_and_stops(image
     bench.plant.set_load(Load(constant=0.1))
     bench.run(0.3)
     assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    assert bench.drive.measurements["HV Current"] > 0.5
+    flows, shown = bench.bus_currents()
+    # What returns to the bus in the off-time is not seen where the on-time is sampled.
+    assert flows > 0.5 and flows < shown < 1.07 * flows
     bench.plant.set_load(Load())
 
     bench.drive.stop()

@@ -157,13 +157,16 @@ fn codes_are_volts_and_amperes_of_the_schematic() {
     let per_ampere = 0.003 * 0.571 * 16.0 / LSB;
     for (leg, step) in [(1, Step::AB), (2, Step::AC), (0, Step::BA)] {
         for amperes in [-6.0, -0.1, 0.0, 0.1, 1.0, 12.0] {
-            let mut shunts = [9999; 3];
-            shunts[leg] = (amperes * per_ampere) as i32;
             let gates = gates(step, Rectification::Synchronous);
-            let code = analog::bus_current(shunts, gates, Duty::from_bits(16_384));
+            // What the switched leg shows, its sample settled or not, is none of the bus.
+            let mut shunts = gates.map(|gates| if gates == Gates::Complementary { 9999 } else { 0 });
+            shunts[leg] = (amperes * per_ampere) as i32;
+            let code = analog::bus_current(shunts, gates, Duty::from_bits(16_384), SampleMode::OnTime);
             let said =
                 (f64::from(code) - f64::from(FRONT_END.bus_current.zero)) * micro(FRONT_END.bus_current);
-            assert!((said - amperes / 2.0).abs() < 0.03, "{step:?} {amperes} A at half duty: said {said} A");
+            // Half duty, less 0.8 of 100 us; a current into the switched leg has as much more.
+            let is = (0.5 - 0.008 * amperes.signum()) * amperes;
+            assert!((said - is).abs() < 0.03, "{step:?} {amperes} A at half duty: said {said} A");
         }
     }
     // 2.057 V without current.
@@ -173,20 +176,42 @@ fn codes_are_volts_and_amperes_of_the_schematic() {
 
 #[test]
 fn currents_of_locks_and_of_a_bridge_that_is_off_add_up() {
-    let amperes = |shunts, step, duty| {
-        let code =
-            analog::bus_current(shunts, gates(step, Rectification::Synchronous), Duty::from_bits(duty));
-        (f64::from(code) - 2048.0) * 0.008
+    let sampled = |mode| {
+        move |shunts, step, duty| {
+            let code = analog::bus_current(
+                shunts,
+                gates(step, Rectification::Synchronous),
+                Duty::from_bits(duty),
+                mode,
+            );
+            (f64::from(code) - 2048.0) * 0.008
+        }
     };
+    let amperes = sampled(SampleMode::OnTime);
+    // Half of the period, less the dead time of 0.8 us.
+    const HALF: f64 = 0.5 - 0.008;
     // 34 codes are an ampere. A switched, B and C low: half of it returns through each.
-    assert!((amperes([0, 34, 34], Step::LockA, 32_768) - 2.0).abs() < 0.02);
+    assert!((amperes([0, 34, 34], Step::LockA, 16_384) - 2.0 * HALF).abs() < 0.01);
     // A and B switched, C low.
-    assert!((amperes([0, 0, 34], Step::LockAB, 16_384) - 0.5).abs() < 0.02);
+    assert!((amperes([0, 0, 34], Step::LockAB, 16_384) - HALF).abs() < 0.01);
     // Off: what comes up through a diode from ground goes to the bus.
     assert!((amperes([-34, 0, 0], Step::Coast, 0) + 1.0).abs() < 0.02);
+    // A commutation from A to C, B low: of B's 3 A, 1 A still comes up through A's diode, so C takes 2 A from
+    // the bus, half of the time.
+    assert!((amperes([-34, 102, 0], Step::CB, 16_384) - 2.0 * HALF).abs() < 0.01);
+    let amperes = sampled(SampleMode::OffTime);
+    assert!((amperes([-34, 102, -68], Step::CB, 16_384) - 2.0 * HALF).abs() < 0.01);
+    // A commutation from B to C, A switched: of A's 3 A, 1 A still returns to the bus through B's upper diode,
+    // and 2 A flow through C. In the off-time A's lower switch carries 3 A up.
+    assert!((amperes([-102, 0, 68], Step::AC, 16_384) - (2.0 * HALF - (1.0 - HALF))).abs() < 0.01);
     // Beyond the range the code stays at its end.
     assert_eq!(
-        analog::bus_current([0, 4095, 0], gates(Step::AB, Rectification::Synchronous), Duty::ONE),
+        analog::bus_current(
+            [0, 4095, 0],
+            gates(Step::AB, Rectification::Synchronous),
+            Duty::ONE,
+            SampleMode::OnTime
+        ),
         4095
     );
 }

@@ -118,7 +118,10 @@ class Chip:
         self.end = NEVER
         self.map: dict[int, Register] = {}
         self.gated: dict[str, bool] = {}
-        self.due = NEVER
+        self.due, self.first = NEVER, None
+        """Time of the next event, and whose it is."""
+        self.followed = -1
+        """Time to which the motor was brought last."""
         self.break_delay = NEVER
         self.gates = ("off", "off", "off")
         self.processor.reset_state()
@@ -225,8 +228,12 @@ class Chip:
 
     def reschedule(self) -> None:
         """An event has moved."""
-        self.due = min([peripheral.due for peripheral in self.eventful])
-        self.processor.clock.deadline = min(self.due, self.end)
+        due = NEVER
+        for peripheral in self.eventful:
+            if peripheral.due < due:
+                due, self.first = peripheral.due, peripheral
+        self.due = due
+        self.processor.clock.deadline = due if due < self.end else self.end
 
     def attend(self) -> None:
         """An interrupt may have come."""
@@ -238,13 +245,11 @@ class Chip:
 
     def _run_events(self, until: int) -> None:
         while self.due <= until:
-            first = min(self.eventful, key=lambda peripheral: peripheral.due)
-            self._event = first.due
+            first, self._event = self.first, self.due
             if first is self.power_timer:
                 self.follow_plant()
             first.step()
             self._event = None
-            self.due = min([peripheral.due for peripheral in self.eventful])
             if self.request:
                 return
 
@@ -310,6 +315,8 @@ class Chip:
     def follow_plant(self) -> None:
         """Brings the motor up to the present."""
         now = self.now
+        if now == self.followed:
+            return
         plant = self.plant
         while (seconds := (now - self.plant_start) / SECOND - plant.time) > 1e-10:
             pending = self.power_timer.break_due
@@ -325,6 +332,7 @@ class Chip:
                 before, self._event = self._event, pending
                 self.power_timer.break_now()
                 self._event = before
+        self.followed = now
 
     def set_trip(self) -> None:
         """What the comparators compare has changed."""
@@ -336,11 +344,16 @@ class Chip:
         self._compare(self.now)
 
     def shunt_currents(self) -> list[float]:
-        return [own + foreign for own, foreign in zip(self.plant.shunts, self.foreign_current, strict=True)]
+        a, b, c = self.plant.shunts
+        more = self.foreign_current
+        return [a + more[0], b + more[1], c + more[2]]
 
     def _compare(self, time: int) -> None:
         """Comparators at `time`."""
-        tripped = [amperes >= limit for amperes, limit in zip(self.shunt_currents(), self.trip, strict=True)]
+        currents = self.shunt_currents()
+        if (self.trip_limit is None or max(currents) < self.trip_limit) and not any(self.tripped):
+            return
+        tripped = [amperes >= limit for amperes, limit in zip(currents, self.trip, strict=True)]
         if tripped != self.tripped:
             self.tripped = tripped
             before, self._event = self._event, time + DELAY

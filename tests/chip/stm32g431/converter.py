@@ -22,7 +22,7 @@ class Converter(Peripheral):
         super().__init__(chip, f"ADC{number}", 0x5000_0000 + 0x100 * (number - 1))
         self.number = number
         word = 0xFFFF_FFFF
-        self.register(0x00, "ISR", 0x7FF, read=lambda: self.flags, write=self._clear)
+        self.register(0x00, "ISR", 0x7FF, read=self._flags, write=self._clear)
         self.register(0x04, "IER", 0x7F, write=self._enable)
         self.register(0x08, "CR", 0xB000_000D, read=self._control, write=self._set_control)
         self.register(0x0C, "CFGR", 0x8000_1000, value=0x8000_0000)
@@ -33,7 +33,7 @@ class Converter(Peripheral):
         self.register(0x4C, "JSQR", word, write=self._set_sequence)
         self.results = [0, 0, 0, 0]
         for rank in range(4):
-            self.read_only(0x80 + 4 * rank, f"JDR{rank + 1}", lambda rank=rank: self.results[rank])
+            self.read_only(0x80 + 4 * rank, f"JDR{rank + 1}", lambda rank=rank: self._result(rank))
         self.flags = 0
         self.control = DEEPPWD
         self.regulator_on = self.calibrated = self.ready = NEVER
@@ -56,12 +56,14 @@ class Converter(Peripheral):
     # Control (21.4.6 to 21.4.12)
 
     def _control(self) -> int:
+        self._settle()
         value = self.control & ~ADCAL
         if self.chip.now < self.calibrated < NEVER:
             value |= ADCAL
         return value
 
     def _set_control(self, value: int) -> None:
+        self._settle()
         now = self.chip.now
         rises = value & ~self.control
         if value & ADVREGEN and value & DEEPPWD:
@@ -90,13 +92,20 @@ class Converter(Peripheral):
             self.undefined("JSQR is written while a sequence may be triggered, without its queue")
         self.registers["JSQR"].value = value
 
+    def _flags(self) -> int:
+        self._settle()
+        return self.flags
+
     def _clear(self, value: int) -> None:
+        self._settle()
         self.flags &= ~value
         self._signal()
 
     def _enable(self, value: int) -> None:
+        self._settle()
         self.registers["IER"].value = value
         self._signal()
+        self._schedule()
 
     def _signal(self) -> None:
         self.chip.converters_common.signal()
@@ -119,6 +128,7 @@ class Converter(Peripheral):
         return end
 
     def trigger(self, name: str) -> None:
+        self._settle()
         sequence = self.registers["JSQR"].value
         if not self.control & JADSTART or not sequence >> 7 & 3 or TRIGGERS.get(sequence >> 2 & 0x1F) != name:
             return
@@ -144,16 +154,39 @@ class Converter(Peripheral):
         self._schedule()
 
     def _schedule(self) -> None:
-        self.due = self.plan[0][0] if self.plan else NEVER
+        """The next instant at which something is sampled, or may interrupt; other ends wait for who looks at them."""
+        enabled = self.registers["IER"].value
+        last = self.registers["JSQR"].value & 3
+        for time, kind, place in self.plan:
+            flags = JEOC | (JEOS if place == last else 0) if kind == "injected" else EOC | EOS | OVR
+            if kind == "sample" or enabled & flags:
+                self.due = time
+                break
+        else:
+            self.due = NEVER
         self.chip.reschedule()
 
+    def _settle(self) -> None:
+        """Carries out what has ended by now."""
+        now = self.chip.now
+        ended = False
+        while self.plan and self.plan[0][0] <= now:
+            ended |= self._carry_out(*self.plan.pop(0)[1:])
+        if ended:
+            self._signal()
+
     def step(self) -> None:
-        _, kind, place = self.plan.pop(0)
-        code = min(max(int(self.sampled / 3.3 * 4096), 0), 4095)
+        self._settle()
+        self._schedule()
+
+    def _carry_out(self, kind: str, place: int) -> bool:
+        """True if a conversion has ended."""
         if kind == "sample":
             self.chip.follow_plant()
             self.sampled = self.chip.channel(self.number, place)
-        elif kind == "injected":
+            return False
+        code = min(max(int(self.sampled / 3.3 * 4096), 0), 4095)
+        if kind == "injected":
             self.results[place] = code
             self.flags |= JEOC
             if place == self.registers["JSQR"].value & 3:
@@ -164,11 +197,14 @@ class Converter(Peripheral):
             self.regular = code
             self.flags |= EOC | EOS
             self.control &= ~ADSTART
-        self._schedule()
-        if kind != "sample":
-            self._signal()
+        return True
+
+    def _result(self, rank: int) -> int:
+        self._settle()
+        return self.results[rank]
 
     def _read(self) -> int:
+        self._settle()
         self.flags &= ~EOC
         self._signal()
         return self.regular

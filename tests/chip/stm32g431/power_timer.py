@@ -16,6 +16,8 @@ PINS = {
     "C low": ("B", 15, 4),
 }
 LEGS = "ABC"
+MODES = {1: ("CCMR1", 0), 2: ("CCMR1", 8), 3: ("CCMR2", 0), 6: ("CCMR3", 8)}
+"""Register and first bit of each channel's mode."""
 DEAD_TIME_MIN_NS = 400
 """The board's MOSFETs need this long to turn off behind their drivers: an estimate, half of what ST drives it with."""
 
@@ -58,6 +60,7 @@ class PowerTimer(Peripheral):
         self.reload = 0xFFFF
         self.repetitions = 0
         self.shadow = {1: 0, 2: 0, 3: 0, 6: 0}
+        self.modes = dict.fromkeys(MODES, 0)
         self.legs = [Leg(), Leg(), Leg()]
         self.trigger_level = False
         self.boundary: int | None = None
@@ -66,6 +69,11 @@ class PowerTimer(Peripheral):
         """The counter counts down."""
         self.break_due = NEVER
         self.unit = 800
+        self.pins = [[self._pin(f"{leg} {side}") for side in ("high", "low")] for leg in LEGS]
+
+    def _pin(self, name: str) -> tuple[object, int, int]:
+        port, pin, function = PINS[name]
+        return self.chip.ports[port], pin, function
 
     # Counter (28.3.2, 28.3.4)
 
@@ -123,8 +131,7 @@ class PowerTimer(Peripheral):
     # Compare and outputs (28.3.11 to 28.3.16)
 
     def _mode(self, channel: int) -> int:
-        register, shift = {1: ("CCMR1", 0), 2: ("CCMR1", 8), 3: ("CCMR2", 0), 6: ("CCMR3", 8)}[channel]
-        return self.registers[register].value >> shift
+        return self.modes[channel]
 
     def _compare(self, channel: int, value: int) -> None:
         self.registers[f"CCR{channel}"].value = value
@@ -135,18 +142,20 @@ class PowerTimer(Peripheral):
 
     def _modes(self, name: str, value: int) -> None:
         self.registers[name].value = value
+        for channel, (register, shift) in MODES.items():
+            self.modes[channel] = self.registers[register].value >> shift
         self._follow()
         self._schedule()
 
-    def _reference(self, channel: int, before: bool) -> bool:
+    def _reference(self, channel: int, before: bool, now: int) -> bool:
         mode, compare = self._mode(channel) >> 4 & 7, self.shadow[channel]
         if mode in (PWM_1, PWM_2):
             if self.boundary is None:
                 active = compare > 0
             elif self.half:
-                active = self.chip.now >= self.boundary + (2 * self.reload - compare) * self.unit
+                active = now >= self.boundary + (2 * self.reload - compare) * self.unit
             else:
-                active = self.chip.now < self.boundary + compare * self.unit
+                active = now < self.boundary + compare * self.unit
             return active == (mode == PWM_1)
         if mode in (INACTIVE, ACTIVE):
             return mode == ACTIVE
@@ -158,7 +167,7 @@ class PowerTimer(Peripheral):
         """Brings references, outputs and triggers up to the present."""
         now = self.chip.now
         for place, leg in enumerate(self.legs):
-            reference = self._reference(place + 1, leg.reference)
+            reference = self._reference(place + 1, leg.reference, now)
             if reference != leg.reference:
                 leg.reference = reference
                 if reference:
@@ -166,7 +175,7 @@ class PowerTimer(Peripheral):
                 else:
                     leg.fell = now
         self._drive()
-        trigger = self._reference(6, self.trigger_level)
+        trigger = self._reference(6, self.trigger_level, now)
         if trigger and not self.trigger_level and self.registers["CR2"].value >> 20 & 0xF == OC6REF:
             self.chip.trigger("TIM1_TRGO2")
         self.trigger_level = trigger
@@ -200,20 +209,21 @@ class PowerTimer(Peripheral):
                     low = leg.reference
                 if main != complementary and not off_state:
                     self.undefined(f"leg {LEGS[place]}: an output floats (OSSR 0)")
-            high = high and self._is_connected(place, "high")
-            low = low and self._is_connected(place, "low")
-            self._check(place, leg, high, low)
-            leg.high, leg.low = high, low
+            high = high and self._is_connected(place, 0)
+            low = low and self._is_connected(place, 1)
+            if high != leg.high or low != leg.low:
+                self._check(place, leg, high, low, now)
+                leg.high, leg.low = high, low
             gates.append("high" if high else "low" if low else "off")
         self.chip.set_gates(*gates)
 
-    def _is_connected(self, place: int, side: str) -> bool:
-        port, pin, function = PINS[f"{LEGS[place]} {side}"]
-        return self.chip.ports[port].function(pin) == function
+    def _is_connected(self, place: int, side: int) -> bool:
+        port, pin, function = self.pins[place][side]
+        return port.function(pin) == function
 
-    def _check(self, place: int, leg: Leg, high: bool, low: bool) -> None:
+    def _check(self, place: int, leg: Leg, high: bool, low: bool, now: int) -> None:
         """Both switches of a leg need a pause between them."""
-        now, least = self.chip.now, DEAD_TIME_MIN_NS * 136
+        least = DEAD_TIME_MIN_NS * 136
         if high and low:
             self.undefined(f"leg {LEGS[place]}: both switches are on")
         if leg.high and not high:

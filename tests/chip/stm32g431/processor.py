@@ -29,28 +29,40 @@ THREAD = 0x100
 EXC_RETURN, EXC_RETURN_NESTED, NO_FLOAT = 0xFFFF_FFE9, 0xFFFF_FFE1, 0x10
 EXCEPTION_EXIT = 8
 WFI = b"\x30\xbf"
-FLOATS = [arm.UC_ARM_REG_S0 + index for index in range(16)]
+FLOATS = [*(arm.UC_ARM_REG_S0 + index for index in range(16)), arm.UC_ARM_REG_FPSCR]
 FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3, arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR]
 ENTRY_CYCLES, EXIT_CYCLES = 12, 10
 """Cycles of an exception's entry and return without wait states (Cortex-M4 TRM, DDI 0439, section 3.9.1)."""
 
 
-class Clock(ctypes.Structure):
-    """The structure of clock.c."""
+READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_void_p)
+WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_uint64, ctypes.c_void_p)
+"""Callbacks of the emulator. Its own Python wraps them three times, which half of a run's time would go into."""
 
-    _fields_ = [(name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "mask", "start", "end", "stack", "lowest")] + [
-        (name, ctypes.c_void_p) for name in ("program", "stop", "read")
+
+class Clock(ctypes.Structure):
+    """The structure of engine.c."""
+
+    _fields_ = [
+        *((name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "watches_mask", "start", "end", "lowest", "cause", "ram")),
+        *((name, ctypes.c_void_p) for name in ("program", "memory", "stop", "read", "write")),
+        *((name, ctypes.c_int32) for name in ("sp", "xpsr", "control", "primask")),
+        ("frame", ctypes.c_int32 * len(FRAME)),
+        ("floats", ctypes.c_int32 * len(FLOATS)),
     ]
 
 
 def compiled() -> ctypes.CDLL:
-    """Compiles clock.c, once."""
+    """Compiles engine.c, once."""
     if not hasattr(compiled, "library"):
         folder = tempfile.TemporaryDirectory()
-        library = Path(folder.name) / "clock.so"
-        source = Path(__file__).with_name("clock.c")
-        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-Wall", "-Werror", "-o", library, source], check=True)
+        library = Path(folder.name) / "engine.so"
+        source = Path(__file__).with_name("engine.c")
+        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-o", library, source], check=True)
         compiled.folder, compiled.library = folder, ctypes.CDLL(str(library))
+        compiled.library.stack_frame.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32]
+        compiled.library.unstack_frame.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int]
+        compiled.library.unstack_frame.restype = ctypes.c_uint32
     return compiled.library
 
 
@@ -72,16 +84,32 @@ class Processor:
         engine.mem_map(FLASH, FLASH_SIZE, unicorn.UC_PROT_READ)
         engine.mem_map_ptr(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE, ram)
         engine.mem_map(SYSTEM, 0x1000, unicorn.UC_PROT_READ)
+        self.native = compiled()
+        self.clock = Clock(
+            deadline=NEVER,
+            start=FLASH,
+            ram=RAM,
+            program=self._flash,
+            memory=ram,
+            stop=ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value,
+            read=ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value,
+            write=ctypes.cast(uclib.uc_reg_write, ctypes.c_void_p).value,
+            sp=arm.UC_ARM_REG_SP,
+            xpsr=arm.UC_ARM_REG_XPSR,
+            control=arm.UC_ARM_REG_CONTROL,
+            primask=arm.UC_ARM_REG_PRIMASK,
+            frame=(ctypes.c_int32 * len(FRAME))(*FRAME),
+            floats=(ctypes.c_int32 * len(FLOATS))(*FLOATS),
+        )
+        self._emulator, self._clock = engine._uch, ctypes.addressof(self.clock)
+        self._word = ctypes.c_uint32()
+        self._callbacks: list[object] = []
         for start, size in ((0x4000_0000, 0x3_0000), (0x4800_0000, 0x2000), (0x5000_0000, 0x2000), (0xE000_0000, 0x10_0000)):
             self._map_registers(start, size)
-        self.clock = Clock(deadline=NEVER, stack=arm.UC_ARM_REG_SP, start=FLASH, program=self._flash)
-        self.clock.stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
-        self.clock.read = ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value
-        hook = ctypes.c_size_t()
-        function = ctypes.cast(compiled().on_block, ctypes.c_void_p)
-        everywhere = (ctypes.c_uint64(1), ctypes.c_uint64(0))
-        uclib.uc_hook_add(engine._uch, ctypes.byref(hook), unicorn.UC_HOOK_BLOCK, function, ctypes.byref(self.clock), *everywhere)
-        engine.hook_add(unicorn.UC_HOOK_INTR, self._interrupted)
+        hook, everywhere = ctypes.c_size_t(), (ctypes.c_uint64(1), ctypes.c_uint64(0))
+        for kind, function in ((unicorn.UC_HOOK_BLOCK, self.native.on_block), (unicorn.UC_HOOK_INTR, self.native.on_interrupt)):
+            pointer = ctypes.cast(function, ctypes.c_void_p)
+            uclib.uc_hook_add(engine._uch, ctypes.byref(hook), kind, pointer, self._clock, *everywhere)
         self.exception = 0
         self.reset_state()
 
@@ -101,20 +129,30 @@ class Processor:
         self.engine.ctl_flush_tb()
 
     def _map_registers(self, start: int, size: int) -> None:
-        def read(engine: unicorn.Uc, offset: int, size: int, _: object) -> int:
+        bus = self.bus
+
+        def read(_: int, offset: int, size: int, __: object) -> int:
             try:
-                return self.bus.read(start + offset, size)
+                return bus.read(start + offset, size)
             except Exception as problem:
                 self._stop(problem)
                 return 0
 
-        def write(engine: unicorn.Uc, offset: int, size: int, value: int, _: object) -> None:
+        def write(_: int, offset: int, size: int, value: int, __: object) -> None:
             try:
-                self.bus.write(start + offset, size, value)
+                bus.write(start + offset, size, value)
             except Exception as problem:
                 self._stop(problem)
 
-        self.engine.mmio_map(start, size, read, None, write, None)
+        callbacks = READ(read), WRITE(write)
+        self._callbacks += callbacks
+        status = uclib.uc_mmio_map(self._emulator, start, size, callbacks[0], 0, callbacks[1], 0)
+        if status != unicorn.UC_ERR_OK:
+            raise unicorn.UcError(status)
+
+    def _read(self, register: int) -> int:
+        uclib.uc_reg_read(self._emulator, register, ctypes.byref(self._word))
+        return self._word.value
 
     def _stop(self, problem: Exception) -> None:
         """Ends the run with this exception; a callback cannot raise it."""
@@ -171,35 +209,20 @@ class Processor:
     def attend(self) -> None:
         """Looks for an exception that waits, while the emulator runs: it stops when none of them is masked."""
         if self.waiting() is not None:
-            self.clock.mask = arm.UC_ARM_REG_PRIMASK
+            self.clock.watches_mask = 1
 
     def _priority(self, exception: int) -> int:
         # STM32G4 implements the four upper bits.
         return {NMI: -2, HARD_FAULT: -1}.get(exception, self.priority[exception] & 0xF0)
 
     def is_masked(self, exception: int) -> bool:
-        return exception > HARD_FAULT and bool(self.engine.reg_read(arm.UC_ARM_REG_PRIMASK) & 1)
+        return exception > HARD_FAULT and bool(self._read(arm.UC_ARM_REG_PRIMASK) & 1)
 
     def enter(self, exception: int) -> None:
         """Exception entry (B1.5.6): stacks the frame, and branches to the vector."""
-        engine = self.engine
-        stack = engine.reg_read(arm.UC_ARM_REG_SP)
-        status = engine.reg_read(arm.UC_ARM_REG_XPSR)
-        has_floats = bool(engine.reg_read(arm.UC_ARM_REG_CONTROL) & 4)
-        aligned = stack - (stack & 4)
-        if has_floats:
-            aligned -= 72
-            floats = [engine.reg_read(register) for register in FLOATS]
-            engine.mem_write(aligned, struct.pack("<18I", *floats, engine.reg_read(arm.UC_ARM_REG_FPSCR), 0))
-        aligned -= 32
-        words = [engine.reg_read(register) for register in FRAME]
-        status = status & ~(1 << 9) | (1 << 9 if stack & 4 else 0) | 1 << 24
-        engine.mem_write(aligned, struct.pack("<8I", *words, self.pc, status))
-        engine.reg_write(arm.UC_ARM_REG_SP, aligned)
+        has_floats = self.native.stack_frame(self._emulator, self._clock, self.pc)
         link = (EXC_RETURN_NESTED if self.active else EXC_RETURN) | (0 if has_floats else NO_FLOAT)
-        engine.reg_write(arm.UC_ARM_REG_LR, link)
-        if has_floats:
-            engine.reg_write(arm.UC_ARM_REG_CONTROL, engine.reg_read(arm.UC_ARM_REG_CONTROL) & ~4)
+        self.engine.reg_write(arm.UC_ARM_REG_LR, link)
         self.clock.time += ENTRY_CYCLES * self.clock.per_cycle
         self._branch(exception)
 
@@ -223,67 +246,42 @@ class Processor:
             outer[1], outer[2] = outer[1] + spent[0], outer[2] + spent[1]
         self.longest[exception] = max(self.longest.get(exception, (0, 0)), spent)
         waiting = self.waiting()
-        engine = self.engine
         if waiting is not None and not self.is_masked(waiting):
-            engine.reg_write(arm.UC_ARM_REG_LR, link)
+            self.engine.reg_write(arm.UC_ARM_REG_LR, link)
             self.clock.time += 6 * self.clock.per_cycle
             self._branch(waiting)
             return
-        stack = engine.reg_read(arm.UC_ARM_REG_SP)
-        *words, self.pc, status = struct.unpack("<8I", engine.mem_read(stack, 32))
-        for register, word in zip(FRAME, words, strict=True):
-            engine.reg_write(register, word)
-        stack += 32
-        control = engine.reg_read(arm.UC_ARM_REG_CONTROL)
-        if not link & NO_FLOAT:
-            *floats, flags, _ = struct.unpack("<18I", engine.mem_read(stack, 72))
-            for register, word in zip(FLOATS, floats, strict=True):
-                engine.reg_write(register, word)
-            engine.reg_write(arm.UC_ARM_REG_FPSCR, flags)
-            stack += 72
-            engine.reg_write(arm.UC_ARM_REG_CONTROL, control | 4)
-        elif control & 4:
-            engine.reg_write(arm.UC_ARM_REG_CONTROL, control & ~4)
-        engine.reg_write(arm.UC_ARM_REG_SP, stack + (4 if status >> 9 & 1 else 0))
-        engine.reg_write(arm.UC_ARM_REG_XPSR, status & ~(1 << 9))
+        self.pc = self.native.unstack_frame(self._emulator, self._clock, not link & NO_FLOAT)
         self.clock.time += EXIT_CYCLES * self.clock.per_cycle
-
-    def _interrupted(self, engine: unicorn.Uc, number: int, _: object) -> None:
-        self._cause = number
-        engine.emu_stop()
 
     def run(self, deadline: int) -> None:
         """Executes until `deadline`, or until something else needs attention."""
         waiting = self.waiting()
         clock = self.clock
-        clock.mask = 0
+        clock.watches_mask = 0
         if waiting is not None:
             if not self.is_masked(waiting):
                 self.enter(waiting)
             else:
-                clock.mask = arm.UC_ARM_REG_PRIMASK
+                clock.watches_mask = 1
         clock.deadline = deadline
-        self._cause = None
+        clock.cause = 0
         self._problem: Exception | None = None
-        try:
-            self.engine.emu_start(self.pc | 1, 0xFFFF_FFFF)
-        except unicorn.UcError as error:
-            if self._problem is not None:
-                raise self._problem from None
-            self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)
-            if error.errno != unicorn.UC_ERR_FETCH_PROT or not self.data_start <= self.pc < DATA:
-                raise Stopped(f"the processor: {error}") from None
-            self.bus.enter_slot()
-            return
+        status = uclib.uc_emu_start(self._emulator, self.pc | 1, 0xFFFF_FFFF, 0, 0)
         if self._problem is not None:
             raise self._problem
-        self.pc = self.engine.reg_read(arm.UC_ARM_REG_PC)
+        self.pc = self._read(arm.UC_ARM_REG_PC)
+        if status != unicorn.UC_ERR_OK:
+            if status != unicorn.UC_ERR_FETCH_PROT or not self.data_start <= self.pc < DATA:
+                raise Stopped(f"the processor: {unicorn.UcError(status)}")
+            self.bus.enter_slot()
+            return
         if clock.lowest < self.stack_end:
             raise Stopped(f"the stack reaches down to {clock.lowest:#x}, into the variables below {self.stack_end:#x}")
-        if self._cause == EXCEPTION_EXIT:
+        if clock.cause == EXCEPTION_EXIT:
             self.leave()
-        elif self._cause is not None:
-            raise Stopped(f"the processor takes exception {self._cause} of the emulator")
+        elif clock.cause:
+            raise Stopped(f"the processor takes exception {clock.cause} of the emulator")
         elif clock.time < deadline and self._is_behind_wfi():
             self.sleeps = True
 

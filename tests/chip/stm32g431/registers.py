@@ -82,7 +82,7 @@ class Peripheral:
         return self.register(offset, name, known, read=lambda: 0, write=write)
 
     def step(self) -> None:
-        """Carries out the event that is due."""
+        """Carries out the event that is due, and tells the chip when the next one is."""
 
     def undefined(self, what: str) -> None:
         raise Stopped(f"{self.name}: {what}")

@@ -58,6 +58,7 @@ class Watchdog(Peripheral):
 
     def step(self) -> None:
         self.due = NEVER
+        self.chip.reschedule()
         self.chip.request_reset("watchdog")
 
 

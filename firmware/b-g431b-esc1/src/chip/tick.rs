@@ -82,7 +82,7 @@ impl Tick {
         }
         let mut above = codes.shunts.map(i32::from);
         above.iter_mut().zip(self.zeros.codes()).for_each(|(code, zero)| *code -= zero);
-        bus_current(above, gates, self.duty)
+        bus_current(above, gates, self.duty, self.mode)
     }
 
     fn lines(&self, broken: bool) -> Lines {
