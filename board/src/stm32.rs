@@ -1,4 +1,5 @@
-//! Patterns of the bridge as words of an STM32's advanced timer: TIM1 or TIM8 with complementary outputs.
+//! Patterns of the bridge as words of an STM32's advanced timer: TIM1 or TIM8 with complementary outputs. And
+//! the bus current of what shunts below the bridge's legs show.
 //!
 //! | leg | compare mode | main output, high side | complementary output, low side |
 //! |---|---|---|---|
@@ -10,7 +11,8 @@
 //! A leg is never left to the pins' pull-downs: every output is driven as long as MOE is set, and by the idle
 //! states when it is not.
 
-use narx_core::motor::{Leg, Rectification, Step};
+use narx_core::motor::{Leg, Rectification, SampleMode, Step};
+use narx_core::units::Duty;
 
 /// Command to the two switches of a leg.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,6 +104,32 @@ pub const fn registers([a, b, c]: [Gates; 3]) -> Registers {
         ccmr2: c.mode(),
         ccer: a.enables() | b.enables() << 4 | c.enables() << 8,
     }
+}
+
+/// Mean bus current of a period, in the unit of `shunts` times 32 768. They are what the legs of phases A,
+/// B, C carry to ground in the middle of `sampled`, and `dead` is the dead time's share of the period, raw
+/// U1F15.
+///
+/// At any instant the bus carries what all legs together carry to ground. In the on-time a switched leg
+/// carries nothing to ground, and the others carry what they carry in the off-time, too: a low leg, and the
+/// lower diode of a phase that was just turned off. In the off-time all legs together carry what returns to
+/// the bus through an upper diode; where the on-time was sampled nobody knows that, and it counts as 0.
+/// Through the dead time a current out of the switched leg flows as in the off-time, one into it as in the
+/// on-time. With the bridge off there is off-time alone.
+pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty, dead: u16, sampled: SampleMode) -> i64 {
+    const WHOLE: i64 = 1 << 15;
+    let is_off = gates == [Gates::Off; 3];
+    let is_switched = |gates| matches!(gates, Gates::Complementary | Gates::HighOnly);
+    let legs = shunts.into_iter().zip(gates);
+    let in_on_time: i32 = legs.filter(|(_, gates)| !is_switched(*gates)).map(|(shunt, _)| shunt).sum();
+    let in_off_time: i32 = shunts.into_iter().sum();
+    let on = match i64::from(duty.to_bits()) {
+        _ if is_off => 0,
+        duty if !gates.contains(&Gates::Complementary) => duty,
+        duty => (duty - i64::from(dead) * i64::from(in_on_time.signum())).clamp(0, WHOLE),
+    };
+    let off = if is_off || sampled == SampleMode::OffTime { WHOLE - on } else { 0 };
+    i64::from(in_on_time) * on + i64::from(in_off_time) * off
 }
 
 /// The field DTG for a dead time of so many counts, rounded up (RM0440, TIM1_BDTR); `None` beyond 1008.

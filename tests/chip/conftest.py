@@ -9,25 +9,24 @@ import warnings
 import narx
 import pytest
 from narx import State
-from stm32g431 import Chip
-from stm32g431.can_bus import ChipBus
-from stm32g431.chip import Image
+from stm32g4 import Chip
+from stm32g4.boards import B_G431B_ESC1
+from stm32g4.can_bus import ChipBus
+from stm32g4.chip import Image
 
 warnings.filterwarnings("ignore", category=narx.NarxWarning)
 
 MOTOR = narx.Motor.preset("bly172s-24v")
 SUPPLY, CAPACITANCE = 24.0, 470e-6
 """Supply, V, with a capacitor beside it, F: the board's own 100 uF rise above the threshold of 27 V when currents end."""
-OWN = {"Over-voltage HV threshold": 27.0, "Minimum on-time": 6000}
-"""Parameters that the board needs besides the motor's (docs/B-G431B-ESC1.md)."""
 
 
 class Bench:
     """A board with its motor, and the master."""
 
-    def __init__(self, image, flash=None, motor=MOTOR, mutation=None, boot=None, **plant):
+    def __init__(self, image, flash=None, motor=MOTOR, mutation=None, boot=None, board=B_G431B_ESC1, **plant):
         self.plant = narx.Plant(motor, supply_voltage=SUPPLY, **{"capacitance": CAPACITANCE} | plant)
-        self.chip = Chip(image, self.plant, flash, boot)
+        self.chip = Chip(image, self.plant, flash, boot, board)
         if mutation is not None:
             self.chip.mutate(mutation)
         self.bus = ChipBus(self.chip)
@@ -73,7 +72,8 @@ class Bench:
 
     def commission(self, mode):
         """Writes the parameters that differ, and stores them."""
-        for name, value in (MOTOR.commission(SUPPLY, mode=mode) | OWN).items():
+        board = self.chip.board
+        for name, value in (MOTOR.commission(SUPPLY, mode=mode, pwm_rate=board.pwm_rate) | board.parameters).items():
             if self.drive.parameters[name] != pytest.approx(value):
                 self.drive.parameters[name] = value
         self.drive.parameters.store()
@@ -116,8 +116,8 @@ def boot():
     return Image(pathlib.Path(os.environ["NARX_BOARD_BOOTLOADER"]))
 
 
-def stored(image, mode):
-    bench = Bench(image)
+def stored(image, mode, board=B_G431B_ESC1):
+    bench = Bench(image, board=board)
     assert bench.wait(lambda: bench.drive.state is State.FAULT, 1.0)
     bench.commission(mode)
     return bytes(bench.chip.processor.flash)

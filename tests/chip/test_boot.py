@@ -4,8 +4,8 @@ import can
 import pytest
 from conftest import Bench, forked
 from narx import State
-from stm32g431 import SECOND, Stopped
-from stm32g431.power_timer import OC6REF
+from stm32g4 import SECOND, Stopped
+from stm32g4.power_timer import OC6REF
 
 RESET_CAUSE, FAILED_SELF_TESTS = 302, 303
 POWER_UP, REQUESTED, WATCHDOG = 1, 3, 4

@@ -4,7 +4,7 @@ import narx
 import pytest
 from conftest import Bench, forked
 from narx import State
-from stm32g431.flash import PowerCut
+from stm32g4.flash import PowerCut
 
 NAME, NEW = "Winding resistance", 0.9
 

@@ -6,8 +6,8 @@ import pathlib
 import pytest
 from conftest import Bench, stored
 from narx import Load, State
-from stm32g431 import SECOND
-from stm32g431.chip import Image
+from stm32g4 import SECOND
+from stm32g4.chip import Image
 
 SPEED = 2000
 CONTROL = 16 + 18

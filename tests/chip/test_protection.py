@@ -4,7 +4,7 @@ import pytest
 from conftest import Bench, forked
 from faults import without, writes
 from narx import State
-from stm32g431 import SECOND, Stopped
+from stm32g4 import SECOND, Stopped
 
 OFF = ("off", "off", "off")
 HARDWARE = 0.2e-6

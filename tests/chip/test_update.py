@@ -8,8 +8,8 @@ import narx
 import pytest
 from conftest import Bench, forked
 from narx import State
-from stm32g431.flash import PowerCut, blank
-from stm32g431.processor import FLASH
+from stm32g4.flash import PowerCut, blank
+from stm32g4.processor import FLASH
 
 SLOTS = pathlib.Path(os.environ["NARX_BOARD_SLOTS"])
 SLOT = 22 * 1024
@@ -35,7 +35,7 @@ def with_image(name, flash=None):
 def is_receiving(bench):
     """The bootloader runs at the full clock, with the gates off, and its LED changes every 0.1 s."""
     chip = bench.chip
-    chip.run(3.0, chip.board_can_is_on)
+    chip.run(3.0, lambda: chip.board.can_is_on(chip))
     led = [chip.run(0.02) or chip.ports["C"].output(6) for _ in range(13)]
     changes = sum(old != new for old, new in itertools.pairwise(led))
     inside = chip.processor.vectors == FLASH and chip.clocks.rate == 170e6 and chip.gates == ("off", "off", "off")

@@ -39,7 +39,10 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
         cargo(root, example, &["clippy", "--quiet", "--target", EMBEDDED, "--bins", "--", "-D", "warnings"])?;
         cargo(root, example, &["build", "--quiet", "--release", "--target", EMBEDDED])?;
         for image in images {
-            let path = built(root).join(EMBEDDED).join("release").join(image);
+            let path = built(root).join(format!("{example}-{image}"));
+            // The images of two examples have one name.
+            fs::copy(built(root).join(EMBEDDED).join("release").join(image), &path)
+                .map_err(|error| format!("{}: {error}", path.display()))?;
             let Size { flash, ram } = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             let _ = write!(text, "\n[{example}.{image}]\nflash = {flash}\nram = {ram}\n");
             closing.push(format!("{example}, {image}: {flash} bytes of flash, {ram} of RAM"));
@@ -79,6 +82,11 @@ fn compare(golden: &str, now: &str) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Folder in which [`regenerate`] leaves the images, as `EXAMPLE-IMAGE`.
+pub(crate) fn directory(root: &Path) -> PathBuf {
+    built(root)
 }
 
 /// Build directory of the examples: what they have in common is built once.

@@ -10,12 +10,12 @@
 //! The terminals' network is an assumption: the power board's schematic decides. The program `check`
 //! compares.
 
-use narx_board::stm32::Gates;
+use narx_board::stm32::{self, Gates};
 use narx_core::motor::{Board, Channel, Equipment, FrontEnd, SampleMode};
 use narx_core::units::{Celsius, Duty};
 
 /// Clock of processor and timers, Hz.
-pub const CLOCK_HZ: u32 = 170_000_000;
+pub const CLOCK_HZ: u32 = 150_000_000;
 /// PWM periods a second.
 pub const TICK_RATE: u32 = 20_000;
 /// Counts of a period, up and down.
@@ -26,6 +26,8 @@ pub const TOP: u16 = PERIOD / 2;
 pub const DEAD_TIME_NS: u16 = 800;
 /// [`DEAD_TIME_NS`] in counts.
 pub const DEAD_TIME: u16 = counts(DEAD_TIME_NS as u32);
+/// Its share of the period, raw U1F15.
+const DEAD_SHARE: u16 = ((DEAD_TIME as u32) << 15).div_ceil(PERIOD as u32) as u16;
 /// Shortest time that a switched leg's low side is on in a period, ns: it charges the bootstrap capacitor.
 const BOOTSTRAP_NS: u32 = 2_000;
 /// Largest compare value.
@@ -34,7 +36,7 @@ pub const COMPARE_MAX: u16 = TOP - (counts(BOOTSTRAP_NS) + 2 * DEAD_TIME) / 2;
 /// The board's description for the core.
 pub const BOARD: Board = Board {
     tick_rate: TICK_RATE,
-    // 25 us: conversions of 2.6 us and the longest control tick.
+    // 25 us: conversions of 2.9 us and the longest control tick.
     earliest: 32_768,
     dead_time_ns: DEAD_TIME_NS,
     bridge_milliohm: 4,
@@ -48,8 +50,8 @@ pub const BOARD: Board = Board {
     },
 };
 /// From the bus voltage's conversion to phase C's, 1/65 536 of a period: three conversions of 25 clocks of
-/// 42.5 MHz.
-pub const SKEW: u16 = 2_313;
+/// 37.5 MHz.
+pub const SKEW: u16 = 2_621;
 
 /// Code of no bus current in the samples.
 pub const CURRENT_ZERO: u16 = 2_048;
@@ -100,15 +102,10 @@ pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u1
     ((code as u32 * TERMINAL_TO_BUS) >> 16) as u16
 }
 
-/// Returns the mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros: current
-/// of the low legs flows through the bus for the duty's share of the period. With the bridge off all of it
-/// flows through diodes into the bus.
-pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty) -> u16 {
-    let off = gates == [Gates::Off; 3];
-    let legs = shunts.into_iter().zip(gates);
-    let through: i32 = legs.filter(|(_, gates)| off || *gates == Gates::Low).map(|(shunt, _)| shunt).sum();
-    let share = if off { 1 << 15 } else { i64::from(duty.to_bits()) };
-    let codes = (i64::from(through) * SHUNT_TO_BUS * share) >> 31;
+/// Returns the mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros that were
+/// sampled in the middle of `sampled`.
+pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty, sampled: SampleMode) -> u16 {
+    let codes = (stm32::bus_current(shunts, gates, duty, DEAD_SHARE, sampled) * SHUNT_TO_BUS) >> 31;
     (i64::from(CURRENT_ZERO) + codes).clamp(0, i64::from(FrontEnd::CODE_MAX)) as u16
 }
 

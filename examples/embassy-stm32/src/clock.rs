@@ -1,4 +1,7 @@
-//! 170 MHz from the NUCLEO's crystal of 24 MHz, which is also the clock of the CAN controller.
+//! 150 MHz from the NUCLEO's crystal of 24 MHz, which is also the clock of the CAN controller.
+//!
+//! Above 150 MHz the core needs its higher voltage (R1MODE of PWR_CR5, bit 8: RM0440, section 6.4.5).
+//! embassy-stm32 0.6 clears bit 0 instead, which changes nothing.
 
 use embassy_stm32::rcc::mux::Fdcansel;
 use embassy_stm32::rcc::{Config, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk};
@@ -10,13 +13,11 @@ pub fn set(rcc: &mut Config) {
     rcc.pll = Some(Pll {
         source: PllSource::HSE,
         prediv: PllPreDiv::DIV6,
-        mul: PllMul::MUL85,
+        mul: PllMul::MUL75,
         divp: None,
         divq: None,
         divr: Some(PllRDiv::DIV2),
     });
     rcc.sys = Sysclk::PLL1_R;
-    // Above 150 MHz.
-    rcc.boost = true;
     rcc.mux.fdcansel = Fdcansel::HSE;
 }

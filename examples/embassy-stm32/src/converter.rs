@@ -3,8 +3,8 @@
 //!
 //! ```text
 //!  trigger  | 47.5 + 12.5 clocks | 25      | 25      |
-//!  ADC1     | bus voltage        | shunt A | shunt C |            2.6 us: the control interrupt
-//!  ADC2     | shunt B | term. A  | term. B | term. C |            a clock is 1 / 42.5 MHz
+//!  ADC1     | bus voltage        | shunt A | shunt C |            2.9 us: the control interrupt
+//!  ADC2     | shunt B | term. A  | term. B | term. C |            a clock is 1 / 37.5 MHz
 //! ```
 
 use crate::board::CLOCK_HZ;

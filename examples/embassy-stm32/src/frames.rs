@@ -1,7 +1,8 @@
 //! narx's frames and embassy's, for two tasks around the controller.
 
+use embassy_stm32::can::config::TxBufferMode;
 use embassy_stm32::can::enums::BusErrorMode;
-use embassy_stm32::can::{CanRx, CanTx, Frame as CanFrame, Properties};
+use embassy_stm32::can::{CanConfigurator, CanRx, CanTx, Frame as CanFrame, Properties};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 use narx_core::bus::{BusState, ErrorState, Frame};
@@ -13,6 +14,14 @@ pub type Frames<const N: usize> = Channel<CriticalSectionRawMutex, Frame, N>;
 pub static ARRIVING: Frames<32> = Channel::new();
 /// To the bus.
 pub static LEAVING: Frames<4> = Channel::new();
+
+/// Sets the controller up: 500 kbit/s, frames in the order in which they were given. By embassy's default
+/// those of one identifier may overtake each other.
+pub fn configure(bus: &mut CanConfigurator<'_>) {
+    let in_order = bus.config().set_tx_buffer_mode(TxBufferMode::Fifo);
+    bus.set_config(in_order.set_automatic_bus_off_recovery(true));
+    bus.set_bitrate(500_000);
+}
 
 /// Copies a frame from one type to another.
 fn convert<A: embedded_can::Frame, B: embedded_can::Frame>(frame: &A) -> Option<B> {

@@ -30,3 +30,19 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     bridge::off();
     loop {}
 }
+
+/// A word of the flash whose check bits do not fit: power failed while it was written, and now it was read.
+/// Its reader sees by a checksum of its own that it is void.
+///
+/// # Safety
+/// It touches a flag and the gates alone.
+#[cfg(target_os = "none")]
+#[cortex_m_rt::exception]
+unsafe fn NonMaskableInt() {
+    let flags = embassy_stm32::pac::FLASH.eccr();
+    if !flags.read().eccd() {
+        panic!("nobody has asked for this interrupt");
+    }
+    // Cleared by a 1.
+    flags.modify(|flags| flags.set_eccd(true));
+}

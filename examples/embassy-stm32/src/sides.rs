@@ -56,7 +56,7 @@ impl Tick {
         if self.zeros_are_known() {
             let mut above = codes.shunts.map(i32::from);
             above.iter_mut().zip(self.zeros).for_each(|(code, sum)| *code -= (sum >> ZERO_SHIFT) as i32);
-            return bus_current(above, gates, self.duty);
+            return bus_current(above, gates, self.duty, self.mode);
         }
         self.zeros.iter_mut().zip(codes.shunts).for_each(|(sum, code)| *sum += u32::from(code));
         self.zero_ticks += 1;

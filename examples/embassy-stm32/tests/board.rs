@@ -22,13 +22,13 @@ fn the_core_can_be_built_for_the_board() {
 }
 
 #[test]
-fn counts_are_those_of_170_mhz() {
-    assert_eq!((PERIOD, TOP, DEAD_TIME), (8_500, 4_250, 136));
+fn counts_are_those_of_150_mhz() {
+    assert_eq!((PERIOD, TOP, DEAD_TIME), (7_500, 3_750, 120));
     assert!(dead_time_code(DEAD_TIME).is_some());
     assert_eq!(compare(Duty::from_bits(1 << 14)), TOP / 2);
     assert_eq!(compare(Duty::from_bits(1 << 15)), COMPARE_MAX);
     // The low side is on for 2 us and two dead times at the longest on-time.
-    assert_eq!(2 * (TOP - COMPARE_MAX), 340 + 2 * DEAD_TIME);
+    assert_eq!(2 * (TOP - COMPARE_MAX), 300 + 2 * DEAD_TIME);
     assert_eq!((part(0), part(1 << 15), part(u16::MAX)), (0, PERIOD / 2, PERIOD - 1));
     assert_eq!((sample_compare(0), sample_compare(u16::MAX)), (1, TOP - 1));
     assert!(has_come(5, 5) && has_come(u32::MAX, 3) && !has_come(6, 5));
@@ -53,13 +53,19 @@ fn voltages_have_one_scale() {
 fn the_bus_current_is_that_of_the_low_legs() {
     // 5 A out of phase B, into its shunt: 259 mV behind the amplifier.
     let shunt = code(5.0 * 0.01 * 5.18) as i32;
-    let amperes = |shunts, gates, duty| (f64::from(bus_current(shunts, gates, duty)) - 2_048.0) * 0.008;
     let [on, low, off] = [Gates::Complementary, Gates::Low, Gates::Off];
-    let half = Duty::from_bits(1 << 14);
-    assert!((amperes([-shunt, shunt, 0], [on, low, off], half) - 2.5).abs() < 0.03);
+    let amperes = |shunts, gates, sampled| {
+        (f64::from(bus_current(shunts, gates, Duty::from_bits(1 << 14), sampled)) - 2_048.0) * 0.008
+    };
+    // Half of the period, less 0.8 of 50 us.
+    let half = 0.5 - 0.016;
+    for (shunts, sampled) in [([0, shunt, 0], SampleMode::OnTime), ([-shunt, shunt, 0], SampleMode::OffTime)]
+    {
+        assert!((amperes(shunts, [on, low, off], sampled) - 5.0 * half).abs() < 0.03);
+    }
     // All switches off: what flows, flows into the bus.
-    assert!((amperes([-shunt, 0, 0], [off; 3], half) + 5.0).abs() < 0.03);
-    assert_eq!(bus_current([4_000; 3], [low; 3], Duty::from_bits(1 << 15)), 4_095);
+    assert!((amperes([-shunt, 0, 0], [off; 3], SampleMode::OffTime) + 5.0).abs() < 0.03);
+    assert_eq!(bus_current([4_000; 3], [low; 3], Duty::from_bits(1 << 15), SampleMode::OnTime), 4_095);
 }
 
 #[test]

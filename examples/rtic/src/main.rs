@@ -77,8 +77,7 @@ mod app {
         converter::start();
 
         let mut bus = CanConfigurator::new(parts.FDCAN2, parts.PB12, parts.PB13, Interrupts);
-        bus.set_config(bus.config().set_automatic_bus_off_recovery(true));
-        bus.set_bitrate(500_000);
+        frames::configure(&mut bus);
         let (sender, receiver, bus) = bus.into_normal_mode().split();
         let flash = FLASH.init(Mutex::new(RefCell::new(Flash::new_blocking(parts.FLASH))));
         let mut storage = CodeFlash::new(BlockingPartition::new(flash, FLASH_BYTES - PAGES, PAGES));

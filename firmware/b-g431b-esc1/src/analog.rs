@@ -7,11 +7,11 @@
 //! | phase current | 3 milliohm, network of 0.571, amplifier of 16 | 29.40 mA about 2.057 V |
 //!
 //! The drive wants one scale for all voltages and the mean current of the bus. Phase codes are brought to the
-//! bus voltage's scale. The bus current at any instant is the sum of what all legs carry to ground
-//! ([`bus_current`]).
+//! bus voltage's scale. The bus current is made of what the legs carry to ground
+//! ([`stm32::bus_current`]).
 
 use crate::timing::{DEAD_TIME, PERIOD};
-use narx_board::stm32::Gates;
+use narx_board::stm32::{self, Gates};
 use narx_core::motor::{Channel, FrontEnd, SampleMode};
 use narx_core::units::{Celsius, Duty, Volts};
 
@@ -42,9 +42,8 @@ const SATURATED: u16 = 4090;
 /// 29.395 mA a code of a shunt in codes of 8 mA, in 1/65 536.
 const SHUNT_TO_BUS: i64 = 240_817;
 
-/// A period, and the share of it in which a switched leg waits for its dead time, raw U1F15.
-const WHOLE: i64 = 1 << 15;
-const DEAD_SHARE: i64 = DEAD_TIME as i64 * WHOLE / PERIOD as i64;
+/// Share of the dead time in a period, raw U1F15.
+const DEAD_SHARE: u16 = ((DEAD_TIME as u32) << 15).div_ceil(PERIOD as u32) as u16;
 
 /// A terminal's code in the scale of the bus voltage. In the middle of the on-time a switched leg is at the
 /// bus, which the divider cannot show above 18.3 V; a floating one beyond that is left at the divider's end,
@@ -59,26 +58,8 @@ pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u1
 
 /// Mean bus current as a code about [`CURRENT_ZERO`], of shunt codes above their zeros, positive from the
 /// phase to ground, which were sampled in the middle of `sampled`.
-///
-/// In the on-time a switched leg carries nothing to ground, and the others carry what they carry in the
-/// off-time, too. A leg that is off carries the current of a phase that was just turned off, if its lower diode
-/// does. In the off-time all legs together carry what returns to the bus through an upper diode; where the
-/// on-time was sampled nobody knows that, and it counts as 0. With the bridge off there is off-time alone.
-/// Through the dead time a current out of the switched leg continues as in the off-time, one into it as in the
-/// on-time.
 pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty, sampled: SampleMode) -> u16 {
-    let is_off = gates == [Gates::Off; 3];
-    let is_switched = |gates| matches!(gates, Gates::Complementary | Gates::HighOnly);
-    let legs = shunts.into_iter().zip(gates);
-    let in_on_time: i32 = legs.filter(|(_, gates)| !is_switched(*gates)).map(|(shunt, _)| shunt).sum();
-    let in_off_time: i32 = shunts.into_iter().sum();
-    let on = match i64::from(duty.to_bits()) {
-        _ if is_off => 0,
-        duty if !gates.contains(&Gates::Complementary) => duty,
-        duty => (duty - DEAD_SHARE * i64::from(in_on_time.signum())).clamp(0, WHOLE),
-    };
-    let off = if is_off || sampled == SampleMode::OffTime { WHOLE - on } else { 0 };
-    let codes = ((i64::from(in_on_time) * on + i64::from(in_off_time) * off) * SHUNT_TO_BUS) >> 31;
+    let codes = (stm32::bus_current(shunts, gates, duty, DEAD_SHARE, sampled) * SHUNT_TO_BUS) >> 31;
     (i64::from(CURRENT_ZERO) + codes).clamp(0, i64::from(FrontEnd::CODE_MAX)) as u16
 }
 

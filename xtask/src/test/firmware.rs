@@ -61,7 +61,7 @@ pub(crate) fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("watchdog", move || hangs::run(root)),
         Step::new("slots", move || slots::make(root)),
         Step::new("virtual drive", move || drive(root)),
-        Step::new("board on its chip's model", move || chip(root)),
+        Step::new("boards on their chips' model", move || chip(root)),
     ]
 }
 
@@ -82,7 +82,7 @@ pub(crate) fn replayers(root: &Path) -> Vec<Replayer> {
     vec![Replayer::new("Rust Cortex-M4F", &qemu::semihosting(&Image::Replay.path(root), &[ARGUMENTS]))]
 }
 
-/// Runs the board's own image on a model of its chip, against the simulated motor.
+/// Runs the images of boards on a model of their chips, against the simulated motor.
 fn chip(root: &Path) -> Outcome {
     let python = python::prepare(root)?;
     slots::make_for_board(root)?;
@@ -108,6 +108,7 @@ fn chip(root: &Path) -> Outcome {
             .env("NARX_BOARD_IMAGE", board::path(root, "drive"))
             .env("NARX_BOARD_BOOTLOADER", board::path(root, "boot"))
             .env("NARX_BOARD_SLOTS", slots::directory_of_board(root))
+            .env("NARX_EXAMPLES", examples::directory(root))
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

@@ -1,7 +1,8 @@
 """The processor: unicorn executes, exceptions are modelled here (ARMv7-M, DDI 0403, section B1.5).
 
 Traps of unicorn that this file knows: it has no NVIC; a branch to EXC_RETURN comes as interrupt 8; it gives no
-instruction count; the program counter that a callback reads is that of an older block; WFI ends emu_start.
+instruction count; the program counter that a callback reads is that of an older block; WFI ends emu_start, and WFE
+with an error.
 Memory that it executes cannot be watched, so of the flash only the running program is that; the rest are data.
 """
 
@@ -16,19 +17,17 @@ import unicorn
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
-from stm32g431.registers import NEVER, Stopped
+from stm32g4.registers import NEVER, Stopped
 
-FLASH, FLASH_SIZE = 0x0800_0000, 0x2_0000
-RAM, RAM_SIZE = 0x2000_0000, 0x8000
-SYSTEM = 0x1FFF_7000
-PAGE, DATA = 0x800, FLASH + 118 * 1024
-"""Page of the flash, and of the emulator; the board's records and parameters, where no program stands."""
+FLASH, RAM, SYSTEM = 0x0800_0000, 0x2000_0000, 0x1FFF_7000
+PAGE = 0x800
+"""Page of the flash, and of the emulator."""
 NMI, HARD_FAULT, SYSTICK, EXTERNAL = 2, 3, 15, 16
 THREAD = 0x100
 """Priority of the program outside exceptions: below every other."""
 EXC_RETURN, EXC_RETURN_NESTED, NO_FLOAT = 0xFFFF_FFE9, 0xFFFF_FFE1, 0x10
 EXCEPTION_EXIT = 8
-WFI = b"\x30\xbf"
+WFI, WFE = b"\x30\xbf", b"\x20\xbf"
 FLOATS = [*(arm.UC_ARM_REG_S0 + index for index in range(16)), arm.UC_ARM_REG_FPSCR]
 FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3, arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR]
 ENTRY_CYCLES, EXIT_CYCLES = 12, 10
@@ -44,7 +43,7 @@ class Clock(ctypes.Structure):
     """The structure of engine.c."""
 
     _fields_ = [
-        *((name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "watches_mask", "start", "end", "lowest", "cause", "ram")),
+        *((name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "watches_mask", "start", "end", "lowest", "cause", "event", "ram")),
         *((name, ctypes.c_void_p) for name in ("program", "memory", "stop", "read", "write")),
         *((name, ctypes.c_int32) for name in ("sp", "xpsr", "control", "primask")),
         ("frame", ctypes.c_int32 * len(FRAME)),
@@ -69,20 +68,20 @@ def compiled() -> ctypes.CDLL:
 class Processor:
     """Cortex-M4F with its NVIC. `bus` has `read(address, size)` and `write(address, size, value)`."""
 
-    def __init__(self, bus: object) -> None:
-        self.bus = bus
+    def __init__(self, bus: object, board: object) -> None:
+        self.bus, self.board = bus, board
         engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         engine.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
         engine.ctl_set_page_size(PAGE)
         self.engine = engine
         # A copy of this process has its own memories.
         private = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
-        self.flash = mmap.mmap(-1, FLASH_SIZE, flags=private)
-        self.ram = mmap.mmap(-1, RAM_SIZE, flags=private)
-        self._flash = ctypes.addressof((ctypes.c_char * FLASH_SIZE).from_buffer(self.flash))
-        ram = ctypes.addressof((ctypes.c_char * RAM_SIZE).from_buffer(self.ram))
-        engine.mem_map(FLASH, FLASH_SIZE, unicorn.UC_PROT_READ)
-        engine.mem_map_ptr(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE, ram)
+        self.flash = mmap.mmap(-1, board.flash_size, flags=private)
+        self.ram = mmap.mmap(-1, board.ram_size, flags=private)
+        self._flash = ctypes.addressof((ctypes.c_char * board.flash_size).from_buffer(self.flash))
+        ram = ctypes.addressof((ctypes.c_char * board.ram_size).from_buffer(self.ram))
+        engine.mem_map(FLASH, board.flash_size, unicorn.UC_PROT_READ)
+        engine.mem_map_ptr(RAM, board.ram_size, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE, ram)
         engine.mem_map(SYSTEM, 0x1000, unicorn.UC_PROT_READ)
         self.native = compiled()
         self.clock = Clock(
@@ -121,10 +120,10 @@ class Processor:
         self.stack_end = stack_end
         self.clock.end = self.data_start
         self.clock.lowest = NEVER
-        self.engine.mem_unmap(FLASH, FLASH_SIZE)
+        self.engine.mem_unmap(FLASH, self.board.flash_size)
         size = self.data_start - FLASH
         self.engine.mem_map_ptr(FLASH, size, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC, self._flash)
-        self._map_registers(self.data_start, FLASH_SIZE - size)
+        self._map_registers(self.data_start, self.board.flash_size - size)
         # Code that was translated may have been written anew.
         self.engine.ctl_flush_tb()
 
@@ -271,8 +270,11 @@ class Processor:
         if self._problem is not None:
             raise self._problem
         self.pc = self._read(arm.UC_ARM_REG_PC)
+        if status == unicorn.UC_ERR_INSN_INVALID and self._is_behind(WFE):
+            self.sleeps, clock.event = not clock.event, 0
+            return
         if status != unicorn.UC_ERR_OK:
-            if status != unicorn.UC_ERR_FETCH_PROT or not self.data_start <= self.pc < DATA:
+            if status != unicorn.UC_ERR_FETCH_PROT or not self.data_start <= self.pc < FLASH + self.board.data:
                 raise Stopped(f"the processor: {unicorn.UcError(status)}")
             self.bus.enter_slot()
             return
@@ -282,9 +284,9 @@ class Processor:
             self.leave()
         elif clock.cause:
             raise Stopped(f"the processor takes exception {clock.cause} of the emulator")
-        elif clock.time < deadline and self._is_behind_wfi():
+        elif clock.time < deadline and self._is_behind(WFI):
             self.sleeps = True
 
-    def _is_behind_wfi(self) -> bool:
+    def _is_behind(self, instruction: bytes) -> bool:
         place = self.pc - FLASH - 2
-        return bytes(self.flash[place : place + 2]) == WFI
+        return bytes(self.flash[place : place + 2]) == instruction

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 
-SECOND = 136_000_000_000
-"""Units of time in a second: clocks of 170, 85, 16 and 8 MHz have whole numbers of them."""
+SECOND = 408_000_000_000
+"""Units of time in a second: clocks of 170, 150, 85, 75, 24, 16 and 8 MHz have whole numbers of them."""
+NANOSECOND = SECOND // 1_000_000_000
 NEVER = 1 << 62
 
 
@@ -52,6 +53,8 @@ class Peripheral:
     """A peripheral with its registers. Its next event is at `due`; `step` carries it out."""
 
     due = NEVER
+    takes_halfwords = False
+    """Its registers are read and written as half-words, too."""
 
     def __init__(self, chip: "object", name: str, base: int) -> None:
         self.chip, self.name, self.base = chip, name, base

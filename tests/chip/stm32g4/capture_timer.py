@@ -1,7 +1,7 @@
 """TIM4: free-running counter, captures of the hall lines, compare (RM0440, section 29)."""
 
-from stm32g431.processor import EXTERNAL
-from stm32g431.registers import NEVER, Peripheral
+from stm32g4.processor import EXTERNAL
+from stm32g4.registers import NEVER, Peripheral
 
 IRQ = EXTERNAL + 30
 RANGE = 1 << 16
@@ -32,7 +32,7 @@ class CaptureTimer(Peripheral):
         self.register(0x40, "CCR4", 0xFFFF, write=self._alarm)
         self.status = 0
         self.started: int | None = None
-        self.unit = 800
+        self.unit = chip.clocks.unit
         self.level = 0
         self.waiting: list[tuple[int, int]] = []
         """Filtered edges to come: time and channel."""

@@ -7,26 +7,19 @@ from pathlib import Path
 import narx
 from elftools.elf.elffile import ELFFile
 
-from stm32g431.analog import DELAY, Amplifiers, Comparators, Dac
-from stm32g431.capture_timer import CaptureTimer
-from stm32g431.clocks import LSI, Clocks
-from stm32g431.converter import Common, Converter
-from stm32g431.core import Core
-from stm32g431.fdcan import Bus, Fdcan, MessageMemory
-from stm32g431.flash import Flash, PowerCut, blank
-from stm32g431.gpio import ANALOG, LOW, Port
-from stm32g431.power_timer import PowerTimer
-from stm32g431.processor import DATA, FLASH, FLASH_SIZE, Processor
-from stm32g431.registers import NEVER, SECOND, Register, Stopped
-from stm32g431.watchdog import LowPowerTimer, Watchdog
+from stm32g4.analog import DELAY
+from stm32g4.boards import B_G431B_ESC1, Board
+from stm32g4.clocks import LSI, Clocks
+from stm32g4.converter import Common, Converter
+from stm32g4.core import Core
+from stm32g4.fdcan import Bus, Fdcan, MessageMemory
+from stm32g4.flash import Flash, PowerCut, blank
+from stm32g4.gpio import ANALOG, Port
+from stm32g4.power_timer import PowerTimer
+from stm32g4.processor import FLASH, Processor
+from stm32g4.registers import NEVER, SECOND, Register, Stopped
+from stm32g4.watchdog import Watchdog
 
-# The board (docs/B-G431B-ESC1.md).
-BUS_DIVIDER, TERMINAL_DIVIDER = 18 / 187, 2.2 / 12.2
-SHUNT_BIAS, SHUNT_SCALE = 0.128563, 0.001713
-"""Voltage at a shunt's network: V without current, and V an ampere."""
-THERMISTOR, REFERENCE = 1.055, 1.3342
-"""Thermistor at 25 degrees Celsius; internal reference, V, as the maker's word has it."""
-PULLED_UP = 1
 PRIORITY_BYTES = 0xE000_E400
 REGISTRY = b"/registry/src/"
 DEFAULT_MOTOR = "bly172s-24v"
@@ -76,19 +69,26 @@ class Image:
 
 
 class Chip:
-    """An STM32G431 on the board with a motor.
+    """An STM32G4 on its board with a motor.
 
     `image`: the drive's. It is put into the flash and started, unless there is a `boot`loader: then that is, and what
     it enters is what `flash` has in the slot. `flash`: contents of the whole flash before; blank by default.
     """
 
-    def __init__(self, image: Image, plant: narx.Plant | None = None, flash: bytes | None = None, boot: Image | None = None) -> None:
-        self.image, self.boot = image, boot
+    def __init__(
+        self,
+        image: Image,
+        plant: narx.Plant | None = None,
+        flash: bytes | None = None,
+        boot: Image | None = None,
+        board: Board = B_G431B_ESC1,
+    ) -> None:
+        self.image, self.boot, self.board = image, boot, board
         self.plant = plant or narx.Plant(narx.Motor.preset(DEFAULT_MOTOR), supply_voltage=24.0)
         self.plant_start = 0
         self.lsi_rate = LSI
-        self.processor = Processor(self)
-        self.processor.flash[:] = flash or blank()
+        self.processor = Processor(self, board)
+        self.processor.flash[:] = flash or blank(board)
         for start, data in (boot or image).segments:
             self.processor.flash[start - FLASH : start - FLASH + len(data)] = data
         self.resets: list[str] = []
@@ -137,12 +137,8 @@ class Chip:
         self.flash = Flash(self)
         self.core = Core(self)
         self.watchdog = Watchdog(self)
-        self.low_power_timer = LowPowerTimer(self)
         self.ports = {letter: Port(self, letter) for letter in "ABC"}
-        self.dac = Dac(self)
-        self.comparators = Comparators(self)
-        self.amplifiers = Amplifiers(self)
-        self.capture_timer = CaptureTimer(self)
+        of_board = self.board.make(self)
         self.converters_common = Common(self)
         self.converters = [Converter(self, 1), Converter(self, 2)]
         old_bus = self.bus
@@ -153,12 +149,10 @@ class Chip:
             for name in ("host", "passed", "is_there", "is_broken"):
                 setattr(self.bus, name, getattr(old_bus, name))
         self.power_timer = PowerTimer(self)
-        self.eventful = [self.power_timer, *self.converters, self.capture_timer, self.bus, self.watchdog, self.core]
-        self.trip = [NEVER, NEVER, NEVER]
-        self.trip_limit: float | None = None
+        self.eventful = [self.power_timer, *self.converters, *of_board, self.bus, self.watchdog, self.core]
+        self._find_trip()
         self.tripped = [False, False, False]
         self.processor.clock.per_cycle = self.clocks.unit
-        self.capture_timer.level = self.plant.hall
         self.plant.set_gates(*self.gates)
         for mutation in self.mutations:
             mutation(self)
@@ -168,7 +162,7 @@ class Chip:
         """The bootloader branches to the program in the slot."""
         if self.processor.vectors != self.image.vectors:
             raise Stopped(f"enters the slot with vectors at {self.processor.vectors:#x}")
-        self.processor.load(DATA, self.image.stack_end)
+        self.processor.load(FLASH + self.board.data, self.image.stack_end)
 
     def line(self, address: int) -> str:
         """Source line of an address."""
@@ -189,10 +183,10 @@ class Chip:
     def read(self, address: int, size: int) -> int:
         self._catch_up()
         register = self.map.get(address)
-        if register is not None and size == 4:
+        if register is not None and (size == 4 or (size == 2 and register.peripheral.takes_halfwords)):
             self._check_clock(register.peripheral.name)
             return register.read()
-        if FLASH <= address < FLASH + FLASH_SIZE:
+        if FLASH <= address < FLASH + self.board.flash_size:
             return self.flash.read(address, size)
         memory = self.message_memory
         if memory.base <= address < memory.base + memory.size and size == 4:
@@ -203,11 +197,11 @@ class Chip:
     def write(self, address: int, size: int, value: int) -> None:
         self._catch_up()
         register = self.map.get(address)
-        if register is not None and size == 4:
+        if register is not None and (size == 4 or (size == 2 and register.peripheral.takes_halfwords)):
             self._check_clock(register.peripheral.name)
             register.write(value)
             return
-        if FLASH <= address < FLASH + FLASH_SIZE:
+        if FLASH <= address < FLASH + self.board.flash_size:
             self.flash.write(address, size, value)
             return
         memory = self.message_memory
@@ -325,7 +319,7 @@ class Chip:
             if seconds > 0:
                 plant.advance(min(seconds, LONGEST), self.trip_limit)
                 for time, code in plant.hall_edges:
-                    self.capture_timer.hall(self.plant_start + round(time * SECOND), code)
+                    self.board.hall(self, self.plant_start + round(time * SECOND), code)
                 if self.trip_limit is not None:
                     self._compare(self.plant_start + round(plant.time * SECOND))
             if pending < now and plant.time >= (pending - self.plant_start) / SECOND - 1e-10:
@@ -334,12 +328,14 @@ class Chip:
                 self._event = before
         self.followed = now
 
-    def set_trip(self) -> None:
-        """What the comparators compare has changed."""
-        thresholds = [self.comparators.threshold(place) for place in range(3)]
-        self.trip = [NEVER if volts is None else (volts - SHUNT_BIAS) / SHUNT_SCALE for volts in thresholds]
+    def _find_trip(self) -> None:
+        self.trip = self.board.trip(self)
         active = [amperes for amperes in self.trip if amperes < NEVER]
         self.trip_limit = min(active) if active else None
+
+    def set_trip(self) -> None:
+        """What the comparators compare has changed."""
+        self._find_trip()
         self.follow_plant()
         self._compare(self.now)
 
@@ -376,55 +372,12 @@ class Chip:
     def levels(self, letter: str) -> dict[int, int]:
         """What drives a port's pins from outside."""
         self.follow_plant()
-        match letter:
-            case "A":
-                return {15: int(self.pwm_input), 11: PULLED_UP, 13: 1, 14: 0}
-            case "B":
-                hall = self.plant.hall
-                return {6: hall & 1, 7: hall >> 1 & 1, 8: hall >> 2 & 1}
-            case _:
-                return {10: 0 if self.button_pressed else PULLED_UP}
+        return self.board.levels(self, letter)
 
-    def board_can_is_on(self) -> bool:
-        """The transceiver is on, and connected to the controller's pins."""
-        a, b = self.ports["A"], self.ports["B"]
-        return a.function(11) == 9 and b.function(9) == 9 and self.ports["C"].output(11) == LOW
-
-    def channel(self, converter: int, channel: int) -> float:
-        """Voltage of a converter's channel."""
-        name = (converter, channel)
-        plant = self.plant
-        if name in SHUNTS:
-            place, port, pin = SHUNTS[name]
-            self._need_analog(port, pin)
-            return self.amplifiers.output(place, SHUNT_BIAS + SHUNT_SCALE * self.shunt_currents()[place])
-        if name in TERMINALS:
-            place, port, pin = TERMINALS[name]
-            self._need_analog(port, pin)
-            divided = self.ports["B"].output(5) == LOW
-            return max(plant.terminals[place], 0.0) * (TERMINAL_DIVIDER if divided else 1.0)
-        match name:
-            case (1, 1):
-                self._need_analog("A", 0)
-                return plant.bus_voltage * BUS_DIVIDER
-            case (1, 5):
-                self._need_analog("B", 14)
-                return THERMISTOR
-            case (1, 11):
-                self._need_analog("B", 12)
-                return self.potentiometer
-            case (1, 18):
-                if not self.converters_common.registers["CCR"].value >> 22 & 1:
-                    raise Stopped("ADC1 converts the internal reference, which is off")
-                return REFERENCE * 3.0 / 3.3
-        raise Stopped(f"ADC{converter} converts channel {channel}, which the board does not use")
-
-    def _need_analog(self, port: str, pin: int) -> None:
+    def need_analog(self, port: str, pin: int) -> None:
+        """A pin that a converter looks at."""
         if self.ports[port].mode(pin) != ANALOG:
             raise Stopped(f"P{port}{pin} is converted, but it is not analogue")
 
-
-SHUNTS = {(1, 3): (0, "A", 2), (2, 3): (1, "A", 6), (1, 12): (2, "B", 1)}
-TERMINALS = {(2, 17): (0, "A", 4), (2, 5): (1, "C", 4), (2, 14): (2, "B", 11)}
 
 __all__ = ["Chip", "Image", "PowerCut"]

@@ -5,7 +5,7 @@ section of ST's reference manual RM0440. An access that the model does not know 
 the source line.
 """
 
-from stm32g431.chip import Chip
-from stm32g431.registers import SECOND, Stopped
+from stm32g4.chip import Chip
+from stm32g4.registers import SECOND, Stopped
 
 __all__ = ["SECOND", "Chip", "Stopped"]

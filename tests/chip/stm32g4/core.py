@@ -1,7 +1,7 @@
 """The processor's own registers: NVIC, SysTick, SCB (ARMv7-M, DDI 0403, section B3), and DBGMCU."""
 
-from stm32g431.processor import EXTERNAL, SYSTICK
-from stm32g431.registers import NEVER, Peripheral
+from stm32g4.processor import EXTERNAL, SYSTICK
+from stm32g4.registers import NEVER, Peripheral
 
 KEY = 0x05FA
 
@@ -29,6 +29,7 @@ class Core(Peripheral):
         self.register(0x018, "SYST_CVR", 0xFFFF_FFFF, write=self._clear_systick)
         debug = Peripheral(chip, "DBGMCU", 0xE004_2000)
         # RM0440 section 47.16: what stands still under a debugger, which the model has not.
+        debug.register(0x04, "CR", 0x7)
         debug.register(0x08, "APB1FZR1", 0x1 << 12)
         debug.register(0x10, "APB2FZR", 0x1 << 11)
 

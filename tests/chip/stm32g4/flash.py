@@ -2,13 +2,15 @@
 
 import struct
 
-from stm32g431.processor import FLASH, FLASH_SIZE, NMI, PAGE, SYSTEM
-from stm32g431.registers import SECOND, Peripheral
+from stm32g4.boards import B_G431B_ESC1, Board
+from stm32g4.processor import FLASH, NMI, PAGE, SYSTEM
+from stm32g4.registers import SECOND, Peripheral
 
 WORD = 8
 ERASE, PROGRAM = SECOND * 22 // 1000, SECOND * 82 // 1_000_000
 """Times of a page and of a word, typical."""
-PG, PER, STRT, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
+PG, PER, BKER, STRT, LOCK = 1 << 0, 1 << 1, 1 << 11, 1 << 16, 1 << 31
+BUSY = 1 << 16
 EOP, PROGERR, PGAERR, SIZERR, PGSERR = 1 << 0, 1 << 3, 1 << 5, 1 << 6, 1 << 7
 ERRORS = 0x3FA
 KEYS = [0x4567_0123, 0xCDEF_89AB]
@@ -22,7 +24,7 @@ class PowerCut(Exception):
 
 
 class Flash(Peripheral):
-    """FLASH. While it erases or programs, the processor waits: its program is in the same bank."""
+    """FLASH. While it erases or programs, the processor waits if its program is in the same bank."""
 
     def __init__(self, chip: object) -> None:
         super().__init__(chip, "FLASH", 0x4002_2000)
@@ -39,10 +41,15 @@ class Flash(Peripheral):
         self.first: tuple[int, int] | None = None
         self.register(0x00, "ACR", 0x0004_1F0F, value=0x0004_0600)
         self.write_only(0x08, "KEYR", 0xFFFF_FFFF, self._key)
-        self.register(0x10, "SR", ERRORS | EOP, read=lambda: self.status, write=self._clear)
-        self.register(0x14, "CR", LOCK | STRT | 0x3FF, read=self._control, write=self._set_control)
+        self.bank_size = chip.board.flash_size // chip.board.banks
+        self.busy_until = 0
+        self.register(0x10, "SR", ERRORS | EOP | BUSY, read=self._status, write=self._clear)
+        second = BKER if chip.board.banks == 2 else 0
+        self.register(0x14, "CR", LOCK | STRT | second | 0x3FF, read=self._control, write=self._set_control)
         self.ecc = 0
         self.register(0x18, "ECCR", 0xFFFF_FFFF, read=lambda: self.ecc, write=self._clear_ecc)
+        # As it leaves the maker: two banks where there are two.
+        self.read_only(0x20, "OPTR", lambda: 0xFFEF_F8AA)
         self.control = 0
         words = bytearray(0x1000)
         struct.pack_into("<3I", words, 0x590, *UNIQUE)
@@ -55,6 +62,9 @@ class Flash(Peripheral):
             self.undefined(f"wrong key {value:#x}: locked until the next reset, and a bus error")
         if self.keys == KEYS:
             self.is_locked, self.keys = False, []
+
+    def _status(self) -> int:
+        return self.status | (BUSY if self.chip.now < self.busy_until else 0)
 
     def _clear(self, value: int) -> None:
         self.status &= ~value
@@ -71,12 +81,14 @@ class Flash(Peripheral):
             self.undefined("CR is written while it is locked")
         if value & LOCK:
             self.is_locked = True
-        self.control = value & 0x3FF
+        if self.chip.now < self.busy_until:
+            self.undefined("CR is written while it is busy")
+        self.control = value & (0x3FF | BKER)
         if value & STRT:
             if not value & PER or value & PG:
                 self.status |= PGSERR
             else:
-                self._erase(PAGE * (value >> 3 & 0x7F))
+                self._erase(PAGE * (value >> 3 & 0x7F) + (self.bank_size if value & BKER else 0))
 
     def _erase(self, start: int) -> None:
         if start < self.chip.processor.data_start - FLASH:
@@ -91,7 +103,7 @@ class Flash(Peripheral):
                 self.torn[word] = 1
             raise PowerCut
         self.memory[start : start + PAGE] = b"\xff" * PAGE
-        self._end(ERASE)
+        self._end(start, ERASE)
 
     def write(self, address: int, size: int, value: int) -> None:
         """A write to the memory (section 3.3.7): two words make a double word."""
@@ -122,7 +134,7 @@ class Flash(Peripheral):
             self.torn[start] = 1
             raise PowerCut
         self.memory[start : start + WORD] = word
-        self._end(PROGRAM)
+        self._end(start, PROGRAM)
 
     def _begin(self) -> bool:
         if self.status & ERRORS:
@@ -130,17 +142,22 @@ class Flash(Peripheral):
         self.operations += 1
         return self.operations == self.cut_at
 
-    def _end(self, time: int) -> None:
-        self.chip.stall(time)
+    def _end(self, place: int, time: int) -> None:
+        if place < self.bank_size:
+            self.chip.stall(time)
+        else:
+            self.busy_until = self.chip.now + time
 
     def read(self, address: int, size: int) -> int:
         place = address - FLASH
+        if place >= self.bank_size and self.chip.now < self.busy_until:
+            self.chip.stall(self.busy_until - self.chip.now)
         if place // WORD * WORD in self.torn:
             self.ecc = 1 << 31 | place // WORD
             self.chip.interrupt_now(NMI)
         return int.from_bytes(self.memory[place : place + size], "little")
 
 
-def blank() -> bytes:
+def blank(board: Board = B_G431B_ESC1) -> bytes:
     """The whole flash, erased."""
-    return b"\xff" * FLASH_SIZE
+    return b"\xff" * board.flash_size

@@ -12,6 +12,7 @@ struct engine {
     uint64_t start, end;   /* addresses of the program */
     uint64_t lowest;       /* smallest value that the stack pointer has had */
     uint64_t cause;        /* number of the emulator's exception that has stopped it; 0 if none has */
+    uint64_t event;        /* event register: SEV, or an exception, since the last WFE (B1.5.18) */
     uint64_t ram;          /* address of the RAM */
     const uint16_t *program;
     uint32_t *memory; /* of the RAM */
@@ -22,7 +23,7 @@ struct engine {
     int32_t sp, xpsr, control, primask, frame[6], floats[17];
 };
 
-enum { BASIC_WORDS = 8, FLOAT_WORDS = 18, FPCA = 1 << 2, ALIGNED = 1 << 9, THUMB = 1 << 24 };
+enum { BASIC_WORDS = 8, FLOAT_WORDS = 18, FPCA = 1 << 2, ALIGNED = 1 << 9, THUMB = 1 << 24, SEV = 0xBF40 };
 
 static uint32_t get(void *emulator, const struct engine *engine, int name) {
     uint32_t value = 0;
@@ -52,8 +53,11 @@ void on_block(void *emulator, uint64_t address, uint32_t size, struct engine *en
     uint32_t instructions = 0;
     if (address >= engine->start && address + size <= engine->end) {
         const uint16_t *code = engine->program + (address - engine->start) / 2;
-        for (uint32_t at = 0; at < size / 2; instructions++)
+        for (uint32_t at = 0; at < size / 2; instructions++) {
+            if (code[at] == SEV)
+                engine->event = 1;
             at += (code[at] >> 11) >= 0x1D ? 2 : 1;
+        }
     }
     engine->block = address;
     engine->instructions += instructions;
@@ -67,6 +71,7 @@ void on_interrupt(void *emulator, uint32_t number, struct engine *engine) {
 
 /* Stacks the frame of an exception that interrupts `pc` (B1.5.6). True if the frame has floating-point registers. */
 int stack_frame(void *emulator, struct engine *engine, uint32_t pc) {
+    engine->event = 1;
     uint32_t stack = get(emulator, engine, engine->sp);
     uint32_t control = get(emulator, engine, engine->control);
     uint32_t *words = engine->memory + ((stack & ~7u) - engine->ram) / 4;
@@ -89,6 +94,7 @@ int stack_frame(void *emulator, struct engine *engine, uint32_t pc) {
 
 /* Takes back the frame of an exception that ends (B1.5.8). Returns where the program goes on. */
 uint32_t unstack_frame(void *emulator, struct engine *engine, int has_floats) {
+    engine->event = 1;
     uint32_t stack = get(emulator, engine, engine->sp);
     uint32_t control = get(emulator, engine, engine->control);
     const uint32_t *words = engine->memory + (stack - engine->ram) / 4;

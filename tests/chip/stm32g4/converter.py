@@ -1,7 +1,7 @@
 """ADC1 and ADC2: injected sequences by a trigger, single regular conversions by software (RM0440, section 21)."""
 
-from stm32g431.processor import EXTERNAL
-from stm32g431.registers import NEVER, SECOND, Peripheral
+from stm32g4.processor import EXTERNAL
+from stm32g4.registers import NEVER, SECOND, Peripheral
 
 IRQ = EXTERNAL + 18
 ADEN, ADSTART, JADSTART, ADVREGEN, DEEPPWD, ADCAL = 1 << 0, 1 << 2, 1 << 3, 1 << 28, 1 << 29, 1 << 31
@@ -183,7 +183,7 @@ class Converter(Peripheral):
         """True if a conversion has ended."""
         if kind == "sample":
             self.chip.follow_plant()
-            self.sampled = self.chip.channel(self.number, place)
+            self.sampled = self.chip.board.channel(self.chip, self.number, place)
             return False
         code = min(max(int(self.sampled / 3.3 * 4096), 0), 4095)
         if kind == "injected":

@@ -1,20 +1,11 @@
 """TIM1: centre-aligned PWM with complementary outputs, dead time, break and triggers (RM0440, section 28)."""
 
-from stm32g431.registers import NEVER, Peripheral, Stopped
+from stm32g4.registers import NANOSECOND, NEVER, Peripheral, Stopped
 
 UP, CENTRE = 0, 1
 FROZEN, INACTIVE, ACTIVE, PWM_1, PWM_2 = 0, 4, 5, 6, 7
 OC6REF = 9
 UIF, BIF, SBIF = 1 << 0, 1 << 7, 1 << 13
-PINS = {
-    # Output: port, pin, alternate function (DS12589, table 13).
-    "A high": ("A", 8, 6),
-    "A low": ("C", 13, 4),
-    "B high": ("A", 9, 6),
-    "B low": ("A", 12, 6),
-    "C high": ("A", 10, 6),
-    "C low": ("B", 15, 4),
-}
 LEGS = "ABC"
 MODES = {1: ("CCMR1", 0), 2: ("CCMR1", 8), 3: ("CCMR2", 0), 6: ("CCMR3", 8)}
 """Register and first bit of each channel's mode."""
@@ -41,13 +32,13 @@ class PowerTimer(Peripheral):
         # Cleared by a 0; ST's own software writes ones to the reserved bits as well.
         self.register(0x10, "SR", word, read=lambda: self.status, write=self._clear)
         self.register(0x00, "CR1", 0x00E1, read=self._control, write=self._set_control)
-        self.register(0x04, "CR2", 0x00F0_0000)
+        self.register(0x04, "CR2", 0x00F0_2A00)
         self.register(0x0C, "DIER", 0x0000)
         self.write_only(0x14, "EGR", 0x1, self._generate)
         self.register(0x18, "CCMR1", 0x7878, write=lambda value: self._modes("CCMR1", value))
         self.register(0x1C, "CCMR2", 0x0078, write=lambda value: self._modes("CCMR2", value))
         self.register(0x50, "CCMR3", 0x7800, write=lambda value: self._modes("CCMR3", value))
-        self.register(0x20, "CCER", 0x0555, write=lambda value: self._modes("CCER", value))
+        self.register(0x20, "CCER", 0x0DDD, write=lambda value: self._modes("CCER", value))
         self.read_only(0x24, "CNT", lambda: self.count())
         self.register(0x28, "PSC", 0xFFFF)
         self.register(0x2C, "ARR", 0xFFFF, value=0xFFFF, write=self._set_reload)
@@ -68,11 +59,11 @@ class PowerTimer(Peripheral):
         self.half = False
         """The counter counts down."""
         self.break_due = NEVER
-        self.unit = 800
+        self.unit = chip.clocks.unit
         self.pins = [[self._pin(f"{leg} {side}") for side in ("high", "low")] for leg in LEGS]
 
     def _pin(self, name: str) -> tuple[object, int, int]:
-        port, pin, function = PINS[name]
+        port, pin, function = self.chip.board.outputs[name]
         return self.chip.ports[port], pin, function
 
     # Counter (28.3.2, 28.3.4)
@@ -210,12 +201,21 @@ class PowerTimer(Peripheral):
                 if main != complementary and not off_state:
                     self.undefined(f"leg {LEGS[place]}: an output floats (OSSR 0)")
             high = high and self._is_connected(place, 0)
-            low = low and self._is_connected(place, 1)
+            low = self._level(place, on, enables, low) and self._is_connected(place, 1)
             if high != leg.high or low != leg.low:
                 self._check(place, leg, high, low, now)
                 leg.high, leg.low = high, low
             gates.append("high" if high else "low" if low else "off")
         self.chip.set_gates(*gates)
+
+    def _level(self, place: int, on: int, enables: int, low: bool) -> bool:
+        """The low side that a complementary output turns on: its polarity, its idle level, and what the driver takes
+        for on (28.3.16).
+        """
+        inverted = enables >> 4 * place + 3 & 1
+        idle = self.registers["CR2"].value >> 9 + 2 * place & 1
+        level = low ^ inverted if on else idle
+        return bool(level ^ self.chip.board.low_sides_active_low)
 
     def _is_connected(self, place: int, side: int) -> bool:
         port, pin, function = self.pins[place][side]
@@ -223,7 +223,7 @@ class PowerTimer(Peripheral):
 
     def _check(self, place: int, leg: Leg, high: bool, low: bool, now: int) -> None:
         """Both switches of a leg need a pause between them."""
-        least = DEAD_TIME_MIN_NS * 136
+        least = DEAD_TIME_MIN_NS * NANOSECOND
         if high and low:
             self.undefined(f"leg {LEGS[place]}: both switches are on")
         if leg.high and not high:
@@ -232,7 +232,7 @@ class PowerTimer(Peripheral):
             leg.low_off = now
         before = leg.low_off if high and not leg.high else leg.high_off if low and not leg.low else -NEVER
         if now - before < least:
-            self.undefined(f"leg {LEGS[place]}: {(now - before) / 136:.0f} ns between its switches, {DEAD_TIME_MIN_NS} are needed")
+            self.undefined(f"leg {LEGS[place]}: {(now - before) / NANOSECOND:.0f} ns between its switches, {DEAD_TIME_MIN_NS} are needed")
 
     # Break (28.3.17)
 
@@ -255,7 +255,7 @@ class PowerTimer(Peripheral):
 
     def _is_broken(self) -> bool:
         sources = self.registers["AF1"].value
-        level = any(sources >> bit & 1 and self.chip.is_tripped(place) for place, bit in enumerate((1, 2, 4)))
+        level = self.chip.board.breaks(self.chip, sources)
         return level == bool(self.registers["BDTR"].value >> 13 & 1)
 
     def filter_time(self) -> int:

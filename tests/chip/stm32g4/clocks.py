@@ -1,10 +1,10 @@
 """Reset and clock control, power control, and what else is set once: SYSCFG (RM0440, sections 6, 7 and 10)."""
 
-from stm32g431.processor import NMI
-from stm32g431.registers import NEVER, SECOND, Peripheral
+from stm32g4.processor import NMI
+from stm32g4.registers import NEVER, SECOND, Peripheral
 
 MHZ = 1_000_000
-HSI, HSE = 16 * MHZ, 8 * MHZ
+HSI = 16 * MHZ
 LSI = 32_000
 HSE_START, PLL_START, LSI_START = SECOND // 500, SECOND // 25_000, SECOND // 7_500
 """Start-up times: 2 ms, 40 us, 133 us (DS12589, section 5.3)."""
@@ -12,17 +12,14 @@ HSE_ON, SECURITY, PLL_ON, FAILURE = 1 << 16, 1 << 19, 1 << 24, 1 << 8
 FLAGS = {"option": 25, "pin": 26, "power": 27, "software": 28, "watchdog": 29}
 REMOVE_FLAGS = 1 << 23
 GATES = {
-    # Register, bit: peripherals that stand still without it (section 7.4).
+    # Register, bit: peripherals of every board that stand still without it (section 7.4).
     ("AHB2ENR", 0): ("GPIOA",),
     ("AHB2ENR", 1): ("GPIOB",),
     ("AHB2ENR", 2): ("GPIOC",),
     ("AHB2ENR", 13): ("ADC1", "ADC2", "ADC12"),
-    ("AHB2ENR", 18): ("DAC3",),
-    ("APB1ENR1", 2): ("TIM4",),
     ("APB1ENR1", 10): ("TAMP",),
-    ("APB1ENR1", 25): ("FDCAN1", "SRAMCAN"),
+    ("APB1ENR1", 25): ("FDCAN1", "FDCAN2", "SRAMCAN"),
     ("APB1ENR1", 28): ("PWR",),
-    ("APB1ENR1", 31): ("LPTIM1",),
     ("APB2ENR", 0): ("SYSCFG", "COMP", "OPAMP"),
     ("APB2ENR", 11): ("TIM1",),
 }
@@ -33,6 +30,7 @@ class Clocks(Peripheral):
 
     def __init__(self, chip: object, causes: set[str]) -> None:
         super().__init__(chip, "RCC", 0x4002_1000)
+        self.gates = GATES | {place: (name,) for name, place in chip.board.timers.items()}
         self.ready: dict[str, int] = {}
         self.rate = HSI
         self.unit = SECOND // HSI
@@ -44,29 +42,41 @@ class Clocks(Peripheral):
         self.has_failed = False
         self.on = 0x100
         for offset, name, start in ((0x48, "AHB1ENR", 0x100), (0x4C, "AHB2ENR", 0), (0x58, "APB1ENR1", 0x400), (0x60, "APB2ENR", 0)):
-            known = start | sum(1 << bit for register, bit in GATES if register == name)
+            known = start | chip.board.idle_clocks.get(name, 0) | sum(1 << bit for register, bit in self.gates if register == name)
             self.register(offset, name, known, value=start, write=lambda value, name=name: self._gate(name, value))
+        for offset, name in ((0x28, "AHB1RSTR"), (0x2C, "AHB2RSTR"), (0x38, "APB1RSTR1"), (0x40, "APB2RSTR")):
+            # Only of what nothing has been done to since its own reset, so it has no effect.
+            self.register(offset, name, chip.board.resets.get(name, 0))
         # FDCAN and LPTIM1 have a clock of their own (section 7.4.27).
         self.register(0x88, "CCIPR", 0x030C_0000)
+        self.register(0x9C, "CCIPR2", 0x0)
         self.flags = sum(1 << FLAGS[cause] for cause in causes)
         self.register(0x94, "CSR", 0xFFFF_FFFF, read=self._status, write=self._set_status)
         self.lsi_on = False
+        # Oscillator of 48 MHz (section 7.4.30): on and ready. Clock of RTC (section 7.4.26): selected, and of no use here.
+        self.register(0x98, "CRRCR", 0x1, read=lambda: self.registers["CRRCR"].value * 3, write=self._set_usb)
+        self.register(0x90, "BDCR", 0x1_8300)
 
         power = self.power = Peripheral(chip, "PWR", 0x4000_7000)
         power.register(0x00, "CR1", 0x700, value=0x200)
         power.register(0x08, "CR3", 0xC000, value=0x8000)
         power.register(0x80, "CR5", 0x100, value=0x100)
         self.configuration = Peripheral(chip, "SYSCFG", 0x4001_0000)
+        # Section 10.2.1: the first bank of the flash at its place.
+        self.configuration.register(0x00, "MEMRMP", 0x0)
         # Section 10.2.7: lock-up of the processor breaks the timers.
         self.configuration.register(0x1C, "CFGR2", 0x1)
         # Writes to the backup registers need DBP (section 6.4.1).
         backup = self.backup = Peripheral(chip, "TAMP", 0x4000_2400)
         for number in range(4):
             backup.register(0x100 + 4 * number, f"BKP{number}R", 0xFFFF_FFFF, write=lambda value, number=number: self._keep(number, value))
-        for names in GATES.values():
+        for names in self.gates.values():
             for name in names:
                 chip.gated[name] = False
         chip.gated["TAMP"] = True
+
+    def _set_usb(self, value: int) -> None:
+        self.registers["CRRCR"].value = value & 1
 
     def _keep(self, number: int, value: int) -> None:
         if not self.power.registers["CR1"].value & 0x100:
@@ -75,7 +85,7 @@ class Clocks(Peripheral):
 
     def _gate(self, name: str, value: int) -> None:
         self.registers[name].value = value
-        for (register, bit), names in GATES.items():
+        for (register, bit), names in self.gates.items():
             if register == name:
                 for gated in names:
                     self.chip.gated[gated] = bool(value >> bit & 1)
@@ -133,7 +143,7 @@ class Clocks(Peripheral):
     def pll(self) -> float:
         """Frequency of PLL's output R, Hz (section 7.2.4)."""
         value = self.registers["PLLCFGR"].value
-        source = {2: HSI, 3: HSE}.get(value & 3)
+        source = {2: HSI, 3: self.chip.board.crystal}.get(value & 3)
         if source is None:
             self.undefined("the PLL has no source")
         reference = source / ((value >> 4 & 0xF) + 1)
@@ -157,7 +167,7 @@ class Clocks(Peripheral):
             case 1:
                 rate = float(HSI)
             case 2:
-                rate = float(HSE)
+                rate = float(self.chip.board.crystal)
             case 3:
                 if not self.is_ready("PLL"):
                     self.undefined("the PLL is selected before it is ready")
@@ -165,7 +175,7 @@ class Clocks(Peripheral):
             case _:
                 self.undefined("no clock is selected")
         rate /= divider
-        if rate > 80e6 and self.rate < 80e6 and divider == 1:
+        if rate > 80e6 and self.rate < 80e6 and divider == 1 and not self.chip.board.jumps_to_full_speed:
             self.undefined("the clock rises above 80 MHz in one step (section 7.2.7)")
         self._check(rate)
         self.rate = rate

@@ -1,6 +1,6 @@
 """Independent watchdog and low-power timer, both from the oscillator of 32 kHz (RM0440, sections 34 and 42)."""
 
-from stm32g431.registers import NEVER, SECOND, Peripheral
+from stm32g4.registers import NEVER, SECOND, Peripheral
 
 ARRIVAL = 5
 """Clocks of the oscillator that a new value takes to arrive."""

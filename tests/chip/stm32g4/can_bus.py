@@ -5,9 +5,9 @@ from typing import Any
 
 import can
 
-from stm32g431.chip import Chip
-from stm32g431.fdcan import Frame
-from stm32g431.registers import SECOND
+from stm32g4.chip import Chip
+from stm32g4.fdcan import Frame
+from stm32g4.registers import SECOND
 
 
 class ChipBus(can.BusABC):

@@ -1,6 +1,6 @@
 """Comparators, operational amplifiers and DAC3 (RM0440, sections 22, 24 and 25)."""
 
-from stm32g431.registers import SECOND, Peripheral
+from stm32g4.registers import SECOND, Peripheral
 
 SUPPLY = 3.3
 DELAY = SECOND * 31 // 1_000_000_000

@@ -1,19 +1,18 @@
-"""FDCAN1 as a classic controller, with its message memory (RM0440, section 44), and the bus that it is on."""
+"""FDCAN as a classic controller, with its message memory (RM0440, section 44), and the bus that it is on."""
 
 from collections import deque
 from dataclasses import dataclass
 
-from stm32g431.clocks import HSE
-from stm32g431.processor import EXTERNAL
-from stm32g431.registers import NEVER, SECOND, Peripheral
+from stm32g4.processor import EXTERNAL
+from stm32g4.registers import NEVER, SECOND, Peripheral
 
-IRQ = EXTERNAL + 21
 FIFO_0, FIFO_1, TRANSMIT = 0xB0, 0x188, 0x278
-SIZE = 0x350
+FILTERS, SIZE = 28, 0x350
+"""Word at which the extended filters begin, and bytes in all."""
 ELEMENT, PLACES = 72, 3
 NEW = (1 << 0, 1 << 3)
 LOST = (1 << 2, 1 << 5)
-COMPLETE, CANCELLED = 1 << 7, 1 << 8
+COMPLETE, CANCELLED, BUS_OFF = 1 << 7, 1 << 8, 1 << 19
 INIT, CCE = 1, 2
 INTERMISSION = 3
 PASSIVE, OFF = 128, 256
@@ -72,10 +71,19 @@ class Fdcan(Peripheral):
     """The controller."""
 
     def __init__(self, chip: object) -> None:
-        super().__init__(chip, "FDCAN1", 0x4000_6400)
+        name, base, self.offset, interrupt = chip.board.can
+        super().__init__(chip, name, base)
+        self.interrupt = EXTERNAL + interrupt
         word = 0xFFFF_FFFF
+        self.read_only(0x00, "CREL", lambda: 0x3214_1218)
+        self.read_only(0x04, "ENDN", lambda: 0x8765_4321)
+        # Bit rates of the data of CAN FD, which nobody sends.
+        self.register(0x0C, "DBTP", 0x009F_1FFF, value=0xA33, write=self._configure("DBTP"))
+        self.register(0x10, "TEST", 0x0)
         self.register(0x18, "CCCR", 0x7F, value=INIT, write=self._set_control)
         self.register(0x1C, "NBTP", 0xFFFF_FF7F, value=0x0600_0A03, write=self._configure("NBTP"))
+        self.register(0x20, "TSCC", 0x000F_0003, write=self._configure("TSCC"))
+        self.read_only(0x24, "TSCV", lambda: chip.now // self.bit() & 0xFFFF)
         self.read_only(0x40, "ECR", self._counters)
         self.read_only(0x44, "PSR", self._status)
         self.register(0x50, "IR", 0x00FF_FFFF, read=lambda: self.flags, write=self._clear)
@@ -88,6 +96,8 @@ class Fdcan(Peripheral):
         self.register(0xC0, "TXBC", 1 << 24, write=self._configure("TXBC"))
         self.read_only(0xC4, "TXFQS", self._queue)
         self.read_only(0xC8, "TXBRP", lambda: sum(1 << place for place in self.requests))
+        # Of three bits; embassy-stm32 writes ones to the reserved ones as well.
+        self.register(0xDC, "TXBTIE", word)
         self.write_only(0xCC, "TXBAR", 0x7, self._request)
         self.write_only(0xD0, "TXBCR", 0x7, self._cancel)
         self.memory = memoryview(bytearray(b"\xa5" * SIZE)).cast("I")
@@ -129,7 +139,7 @@ class Fdcan(Peripheral):
     def bit(self) -> int:
         """Time of a bit that the controller is set up for."""
         if self.chip.clocks.registers["CCIPR"].value >> 24 & 3 == 0:
-            rate = HSE
+            rate = self.chip.board.crystal
         else:
             self.undefined("runs from another clock than the crystal")
         value = self.registers["NBTP"].value
@@ -138,7 +148,7 @@ class Fdcan(Peripheral):
 
     def is_on(self) -> bool:
         """Takes part in the bus."""
-        works = self.chip.crystal_runs and self.chip.board_can_is_on()
+        works = self.chip.crystal_runs and self.chip.board.can_is_on(self.chip)
         return not self.registers["CCCR"].value & INIT and not self.bus_off and works
 
     # Errors (44.3.2)
@@ -151,6 +161,7 @@ class Fdcan(Peripheral):
         self.errors = min(self.errors + 8, OFF)
         if self.errors >= OFF:
             self.bus_off = True
+            self.flags |= BUS_OFF
             self.registers["CCCR"].value |= INIT
 
     def _counters(self) -> int:
@@ -179,7 +190,7 @@ class Fdcan(Peripheral):
 
     def _signal(self) -> None:
         line = self.flags & self.registers["IE"].value and self.registers["ILE"].value & 1
-        self.chip.processor.set_level(IRQ, bool(line))
+        self.chip.processor.set_level(self.interrupt, bool(line))
         self.chip.attend()
 
     # Receiving (44.3.3)
@@ -189,8 +200,12 @@ class Fdcan(Peripheral):
         settings = self.registers["RXGFC"].value
         if frame.remote and settings >> (0 if frame.extended else 1) & 1:
             return
-        if settings >> 16 & 0x1F or settings >> 24 & 0xF:
-            self.undefined("has filters: the board's image has none")
+        # SFEC and EFEC, 0 is off (44.3.7 and 44.3.8).
+        standard, extended = settings >> 16 & 0x1F, settings >> 24 & 0xF
+        on = [self.memory[place] >> 27 & 7 for place in range(standard)]
+        on += [self.memory[FILTERS + 2 * place] >> 29 for place in range(extended)]
+        if any(on):
+            self.undefined("has filters: the boards' images have none that is on")
         fifo = settings >> (2 if frame.extended else 4) & 3
         if fifo > 1:
             return
@@ -264,7 +279,7 @@ class Fdcan(Peripheral):
         self.requests.pop(0)
         self.sending = None
         self.errors = max(self.errors - 1, 0)
-        self.flags |= COMPLETE
+        self.flags |= COMPLETE if self.registers["TXBTIE"].value & 7 else 0
         self._signal()
 
 
@@ -272,7 +287,7 @@ class MessageMemory(Peripheral):
     """The memory in which elements are: words only (44.3.6)."""
 
     def __init__(self, chip: object) -> None:
-        super().__init__(chip, "SRAMCAN", 0x4000_A400)
+        super().__init__(chip, "SRAMCAN", 0x4000_A400 + chip.board.can[2])
         self.size = SIZE
 
     def read(self, offset: int) -> int:

@@ -1,6 +1,6 @@
 """Ports (RM0440, section 9)."""
 
-from stm32g431.registers import Peripheral
+from stm32g4.registers import Peripheral
 
 INPUT, OUTPUT, ALTERNATE, ANALOG = range(4)
 LOW, HIGH, OPEN = 0, 1, None
@@ -15,6 +15,8 @@ class Port(Peripheral):
         every = 0xFFFF_FFFF
         start = {"A": 0xABFF_FFFF, "B": 0xFFFF_FEBF, "C": every}[letter]
         self.modes = self.register(0x00, "MODER", every, value=start)
+        # Push-pull.
+        self.register(0x04, "OTYPER", 0x0)
         self.register(0x08, "OSPEEDR", every, value=0x0C00_0000 if letter == "A" else 0)
         self.pulls = self.register(0x0C, "PUPDR", every, value={"A": 0x6400_0000, "B": 0x100}.get(letter, 0))
         self.read_only(0x10, "IDR", self._input)
