@@ -13,7 +13,7 @@ struct engine {
     uint64_t lowest;       /* smallest value that the stack pointer has had */
     uint64_t cause;        /* number of the emulator's exception that has stopped it; 0 if none has */
     uint64_t event;        /* event register: SEV, or an exception, since the last WFE (B1.5.18) */
-    uint64_t ram;          /* address of the RAM */
+    uint64_t ram, size;    /* address of the RAM, and its bytes */
     const uint16_t *program;
     uint32_t *memory; /* of the RAM */
     int (*stop)(void *emulator);
@@ -69,13 +69,20 @@ void on_interrupt(void *emulator, uint32_t number, struct engine *engine) {
     engine->stop(emulator);
 }
 
-/* Stacks the frame of an exception that interrupts `pc` (B1.5.6). True if the frame has floating-point registers. */
+static int is_in_ram(const struct engine *engine, uint64_t start, uint64_t end) {
+    return start >= engine->ram && end <= engine->ram + engine->size;
+}
+
+/* Stacks the frame of an exception that interrupts `pc` (B1.5.6). 1 if the frame has floating-point registers, 0 if it has
+   none, -1 if the stack is not in the RAM. */
 int stack_frame(void *emulator, struct engine *engine, uint32_t pc) {
     engine->event = 1;
     uint32_t stack = get(emulator, engine, engine->sp);
     uint32_t control = get(emulator, engine, engine->control);
-    uint32_t *words = engine->memory + ((stack & ~7u) - engine->ram) / 4;
     int has_floats = (control & FPCA) != 0;
+    if (!is_in_ram(engine, (uint64_t)stack - 4 * (BASIC_WORDS + FLOAT_WORDS + 1), stack))
+        return -1;
+    uint32_t *words = engine->memory + ((stack & ~7u) - engine->ram) / 4;
     if (has_floats) {
         words -= FLOAT_WORDS;
         for (int index = 0; index < FLOAT_WORDS - 1; index++)
@@ -92,11 +99,14 @@ int stack_frame(void *emulator, struct engine *engine, uint32_t pc) {
     return has_floats;
 }
 
-/* Takes back the frame of an exception that ends (B1.5.8). Returns where the program goes on. */
+/* Takes back the frame of an exception that ends (B1.5.8). Returns where the program goes on, 0 if the stack is not in
+   the RAM. */
 uint32_t unstack_frame(void *emulator, struct engine *engine, int has_floats) {
     engine->event = 1;
     uint32_t stack = get(emulator, engine, engine->sp);
     uint32_t control = get(emulator, engine, engine->control);
+    if (!is_in_ram(engine, stack, (uint64_t)stack + 4 * (BASIC_WORDS + (has_floats ? FLOAT_WORDS : 0))))
+        return 0;
     const uint32_t *words = engine->memory + (stack - engine->ram) / 4;
     for (int index = 0; index < 6; index++)
         set(emulator, engine, engine->frame[index], words[index]);

@@ -32,8 +32,6 @@ FLOATS = [*(arm.UC_ARM_REG_S0 + index for index in range(16)), arm.UC_ARM_REG_FP
 FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3, arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR]
 ENTRY_CYCLES, EXIT_CYCLES = 12, 10
 """Cycles of an exception's entry and return without wait states (Cortex-M4 TRM, DDI 0439, section 3.9.1)."""
-
-
 READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_void_p)
 WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_uint64, ctypes.c_void_p)
 """Callbacks of the emulator. Its own Python wraps them three times, which half of a run's time would go into."""
@@ -43,7 +41,7 @@ class Clock(ctypes.Structure):
     """The structure of engine.c."""
 
     _fields_ = [
-        *((name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "watches_mask", "start", "end", "lowest", "cause", "event", "ram")),
+        *((name, ctypes.c_uint64) for name in ("time", "deadline", "per_cycle", "instructions", "block", "watches_mask", "start", "end", "lowest", "cause", "event", "ram", "size")),
         *((name, ctypes.c_void_p) for name in ("program", "memory", "stop", "read", "write")),
         *((name, ctypes.c_int32) for name in ("sp", "xpsr", "control", "primask")),
         ("frame", ctypes.c_int32 * len(FRAME)),
@@ -88,6 +86,7 @@ class Processor:
             deadline=NEVER,
             start=FLASH,
             ram=RAM,
+            size=board.ram_size,
             program=self._flash,
             memory=ram,
             stop=ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value,
@@ -220,6 +219,8 @@ class Processor:
     def enter(self, exception: int) -> None:
         """Exception entry (B1.5.6): stacks the frame, and branches to the vector."""
         has_floats = self.native.stack_frame(self._emulator, self._clock, self.pc)
+        if has_floats < 0:
+            raise Stopped(f"exception {exception} finds the stack outside of the RAM")
         link = (EXC_RETURN_NESTED if self.active else EXC_RETURN) | (0 if has_floats else NO_FLOAT)
         self.engine.reg_write(arm.UC_ARM_REG_LR, link)
         self.clock.time += ENTRY_CYCLES * self.clock.per_cycle
@@ -251,6 +252,8 @@ class Processor:
             self._branch(waiting)
             return
         self.pc = self.native.unstack_frame(self._emulator, self._clock, not link & NO_FLOAT)
+        if not self.pc:
+            raise Stopped(f"exception {exception} leaves the stack outside of the RAM")
         self.clock.time += EXIT_CYCLES * self.clock.per_cycle
 
     def run(self, deadline: int) -> None:
