@@ -8,7 +8,7 @@ import warnings
 
 import narx
 import pytest
-from narx import State
+from narx import Load, State
 from stm32g4 import Chip
 from stm32g4.boards import B_G431B_ESC1
 from stm32g4.can_bus import ChipBus
@@ -19,6 +19,11 @@ warnings.filterwarnings("ignore", category=narx.NarxWarning)
 MOTOR = narx.Motor.preset("bly172s-24v")
 SUPPLY, CAPACITANCE = 24.0, 470e-6
 """Supply, V, with a capacitor beside it, F: the board's own 100 uF rise above the threshold of 27 V when currents end."""
+
+
+RUNNING = {"hall": State.HALL_CLOSED_LOOP, "sensorless": State.SENSORLESS_CLOSED_LOOP}
+OFF = ("off", "off", "off")
+SPEED = 2000
 
 
 class Bench:
@@ -55,6 +60,31 @@ class Bench:
         self.drive.start(speed)
         self.run(0.3)
         return self.mean_speed() == pytest.approx(speed, rel=5e-3)
+
+    def spin(self, mode):
+        """From Standby: starts the motor, loads it, stops it, and turns it the other way."""
+        self.drive.start(SPEED)
+        assert self.drive.state is RUNNING[mode]
+        self.run(0.4)
+        assert self.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+        assert self.drive.measurements.speed == pytest.approx(SPEED, rel=1e-2)
+
+        self.plant.set_load(Load(constant=0.08))
+        self.run(0.3)
+        assert self.mean_speed() == pytest.approx(SPEED, rel=5e-3)
+        flows, shown = self.bus_currents()
+        # What returns to the bus in the off-time is not seen where the on-time is sampled.
+        assert flows > 0.5 and flows < shown < 1.1 * flows
+        self.plant.set_load(Load())
+
+        self.drive.stop()
+        self.reach(State.STANDBY)
+        assert self.chip.gates == OFF
+        assert self.wait(lambda: abs(self.plant.speed) < 50, 3.0), "it comes to rest by itself"
+        self.drive.start(-1500)
+        self.run(0.3)
+        assert self.mean_speed() == pytest.approx(-1500, rel=5e-3)
+        assert self.drive.faults == set() and self.chip.resets == []
 
     def mean_speed(self, seconds=0.05):
         """True speed over some time, rpm."""

@@ -4,12 +4,11 @@ A fault changes what a driver writes to a register, or reads from it, as a drive
 """
 
 import narx
-from conftest import Bench
+from conftest import OFF, Bench
 from stm32g4 import SECOND, Stopped
 
 RESET_CAUSE, POWER_UP = 302, 1
 SPEED = 1500
-OFF = ("off", "off", "off")
 
 
 def writes(name, change):

@@ -5,7 +5,7 @@ import os
 import random
 
 import pytest
-from conftest import Bench
+from conftest import RUNNING, Bench
 from narx import Load, State
 
 SECONDS = float(os.environ.get("NARX_CHIP_SECONDS", "3"))
@@ -13,7 +13,6 @@ LOAD_MAX = 0.08
 """Torque, N m: 0.6 of the motor's rating."""
 STORED = "Over-temperature warning threshold"
 """A parameter that nothing depends on while the board is cold."""
-RUNNING = {"hall": State.HALL_CLOSED_LOOP, "sensorless": State.SENSORLESS_CLOSED_LOOP}
 
 
 def start(bench, mode, chance):

@@ -4,54 +4,19 @@ import os
 import pathlib
 
 import pytest
-from conftest import Bench, stored
-from narx import Load, State
+from conftest import RUNNING, SPEED, Bench, stored
 from stm32g4 import SECOND
 from stm32g4.chip import Image
 
-SPEED = 2000
 CONTROL = 16 + 18
 """Exception of the control interrupt."""
 
 
-def test_a_hall_motor_starts_holds_its_speed_under_load_reverses_and_stops(image, hall_flash):
-    bench = Bench(image, hall_flash)
+@pytest.mark.parametrize("mode", RUNNING)
+def test_the_motor_starts_holds_its_speed_under_load_stops_and_reverses(mode, image, request):
+    bench = Bench(image, request.getfixturevalue(f"{mode}_flash"))
     bench.stand_by()
-    bench.drive.start(SPEED)
-    assert bench.drive.state is State.HALL_CLOSED_LOOP
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    assert bench.drive.measurements.speed == pytest.approx(SPEED, rel=1e-2)
-
-    bench.plant.set_load(Load(constant=0.1))
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    flows, shown = bench.bus_currents()
-    # What returns to the bus in the off-time is not seen where the on-time is sampled.
-    assert flows > 0.5 and flows < shown < 1.07 * flows
-    bench.plant.set_load(Load())
-
-    bench.drive.stop()
-    bench.reach(State.STANDBY)
-    assert bench.chip.gates == ("off", "off", "off")
-    assert bench.wait(lambda: abs(bench.plant.speed) < 50, 3.0), "it comes to rest by itself"
-    bench.drive.start(-1500)
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(-1500, rel=5e-3)
-    assert bench.drive.faults == set() and bench.chip.resets == []
-
-
-def test_a_motor_starts_without_sensors_and_holds_its_speed_under_load(image, sensorless_flash):
-    bench = Bench(image, sensorless_flash)
-    bench.stand_by()
-    bench.drive.start(SPEED)
-    assert bench.drive.state is State.SENSORLESS_CLOSED_LOOP
-    bench.run(0.4)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    bench.plant.set_load(Load(constant=0.08))
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    assert bench.drive.faults == set() and bench.chip.resets == []
+    bench.spin(mode)
 
 
 @pytest.mark.skipif("NARX_BOARD_IMAGE_20_KHZ" not in os.environ, reason="NARX_LONG=1")

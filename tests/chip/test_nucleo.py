@@ -5,7 +5,7 @@ import pathlib
 
 import narx
 import pytest
-from conftest import Bench, stored
+from conftest import OFF, SPEED, Bench, stored
 from faults import both, field, reads, swapped, watch_symmetry, without, writes
 from narx import Load, State
 from stm32g4 import SECOND, Stopped
@@ -14,9 +14,6 @@ from stm32g4.chip import Image
 from stm32g4.flash import PowerCut
 
 IMAGES = pathlib.Path(os.environ["NARX_EXAMPLES"])
-RUNNING = {"hall": State.HALL_CLOSED_LOOP, "sensorless": State.SENSORLESS_CLOSED_LOOP}
-OFF = ("off", "off", "off")
-SPEED = 2000
 
 
 def set_up(example, mode):
@@ -38,28 +35,9 @@ def trip(bench):
 
 
 @pytest.mark.parametrize(("example", "mode"), [("embassy-stm32", "hall"), ("embassy-stm32", "sensorless"), ("rtic", "hall")])
-def test_the_motor_starts_holds_its_speed_under_load_reverses_and_stops(example, mode):
+def test_the_motor_starts_holds_its_speed_under_load_stops_and_reverses(example, mode):
     bench = set_up(example, mode)
-    bench.drive.start(SPEED)
-    assert bench.drive.state is RUNNING[mode]
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-
-    bench.plant.set_load(Load(constant=0.08))
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(SPEED, rel=5e-3)
-    flows, shown = bench.bus_currents()
-    assert flows > 0.5 and flows < shown < 1.07 * flows
-    bench.plant.set_load(Load())
-
-    bench.drive.stop()
-    bench.reach(State.STANDBY)
-    assert bench.chip.gates == OFF
-    assert bench.wait(lambda: abs(bench.plant.speed) < 50, 3.0), "it comes to rest by itself"
-    bench.drive.start(-1500)
-    bench.run(0.3)
-    assert bench.mean_speed() == pytest.approx(-1500, rel=5e-3)
-    assert bench.drive.faults == set() and bench.chip.resets == []
+    bench.spin(mode)
     print(f"{example}, {mode}: {bench.chip.processor.longest}")
 
 

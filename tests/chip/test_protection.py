@@ -1,12 +1,11 @@
 """What turns the gates off without the processor, and what the drive makes of it."""
 
 import pytest
-from conftest import Bench, forked
+from conftest import OFF, Bench, forked
 from faults import without, writes
 from narx import State
 from stm32g4 import SECOND, Stopped
 
-OFF = ("off", "off", "off")
 HARDWARE = 0.2e-6
 """Break: the comparator's delay, and eight clocks of the filter (docs/B-G431B-ESC1.md: within 0.1 us)."""
 TRIP = 25.0
