@@ -1,5 +1,5 @@
-//! Patterns of the bridge as words of an STM32's advanced timer: TIM1 or TIM8 with complementary outputs. And
-//! the bus current of what shunts below the bridge's legs show.
+//! Patterns of the bridge as words of an STM32's advanced timer: TIM1 or TIM8 with complementary outputs.
+//! And the bus current, from shunts below the legs.
 //!
 //! | leg | compare mode | main output, high side | complementary output, low side |
 //! |---|---|---|---|

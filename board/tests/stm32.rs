@@ -1,4 +1,4 @@
-//! The bus current of what the shunts below the legs show.
+//! The bus current, from shunts below the legs.
 
 use narx_board::stm32::{bus_current, gates};
 use narx_core::motor::SampleMode::{self, OffTime, OnTime};

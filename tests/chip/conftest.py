@@ -19,8 +19,6 @@ warnings.filterwarnings("ignore", category=narx.NarxWarning)
 MOTOR = narx.Motor.preset("bly172s-24v")
 SUPPLY, CAPACITANCE = 24.0, 470e-6
 """Supply, V, with a capacitor beside it, F: the board's own 100 uF rise above the threshold of 27 V when currents end."""
-
-
 RUNNING = {"hall": State.HALL_CLOSED_LOOP, "sensorless": State.SENSORLESS_CLOSED_LOOP}
 OFF = ("off", "off", "off")
 SPEED = 2000
@@ -73,7 +71,7 @@ class Bench:
         self.run(0.3)
         assert self.mean_speed() == pytest.approx(SPEED, rel=5e-3)
         flows, shown = self.bus_currents()
-        # What returns to the bus in the off-time is not seen where the on-time is sampled.
+        # A sample in the on-time does not show the current that returns to the bus in the off-time.
         assert flows > 0.5 and flows < shown < 1.1 * flows
         self.plant.set_load(Load())
 

@@ -182,8 +182,13 @@ def watch_symmetry(chip):
 
 def examine(image, flash, mutation=None, sensorless=False):
     """Powers a board up and tries everything; returns what is wrong, or None."""
+    return verdict(lambda: _examine(Bench(image, flash, mutation=mutation), sensorless))
+
+
+def verdict(examination):
+    """Calls an examination; returns what it finds wrong, or what has stopped it."""
     try:
-        return _examine(Bench(image, flash, mutation=mutation), sensorless)
+        return examination()
     except Stopped as stopped:
         return str(stopped)
     except (narx.NarxError, AssertionError) as error:
@@ -238,7 +243,7 @@ def _examine(bench, sensorless):
     time, charge = bench.plant.time, bench.plant.charge
     bench.run(0.05)
     current = (bench.plant.charge - charge) / (bench.plant.time - time)
-    # What commutations return to the bus in the off-time is not seen where the on-time is sampled.
+    # A sample in the on-time does not show the current that returns to the bus in the off-time.
     if not 0.97 * current < drive.measurements["HV Current"] < 1.1 * current:
         return f"a bus current of {drive.measurements['HV Current']:.2f} A instead of {current:.2f}"
     return _protect(bench)
@@ -263,4 +268,4 @@ def _protect(bench):
     return None
 
 
-__all__ = ["AT_REST", "FAULTS", "SENSORLESS", "TURNING", "both", "examine", "field", "reads", "swapped", "watch_symmetry", "without", "writes"]
+__all__ = ["AT_REST", "FAULTS", "SENSORLESS", "TURNING", "both", "examine", "field", "reads", "swapped", "verdict", "watch_symmetry", "without", "writes"]

@@ -39,9 +39,9 @@ pub(crate) fn regenerate(root: &Path, check: bool) -> Outcome {
         cargo(root, example, &["clippy", "--quiet", "--target", EMBEDDED, "--bins", "--", "-D", "warnings"])?;
         cargo(root, example, &["build", "--quiet", "--release", "--target", EMBEDDED])?;
         for image in images {
-            let path = built(root).join(format!("{example}-{image}"));
+            let path = directory(root).join(format!("{example}-{image}"));
             // The images of two examples have one name.
-            fs::copy(built(root).join(EMBEDDED).join("release").join(image), &path)
+            fs::copy(directory(root).join(EMBEDDED).join("release").join(image), &path)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
             let Size { flash, ram } = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             let _ = write!(text, "\n[{example}.{image}]\nflash = {flash}\nram = {ram}\n");
@@ -84,13 +84,9 @@ fn compare(golden: &str, now: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Folder in which [`regenerate`] leaves the images, as `EXAMPLE-IMAGE`.
+/// Build directory of the examples: what they have in common is built once. [`regenerate`] leaves the images in
+/// it, as `EXAMPLE-IMAGE`.
 pub(crate) fn directory(root: &Path) -> PathBuf {
-    built(root)
-}
-
-/// Build directory of the examples: what they have in common is built once.
-fn built(root: &Path) -> PathBuf {
     target_directory(root).join("examples")
 }
 
@@ -98,7 +94,7 @@ fn built(root: &Path) -> PathBuf {
 fn cargo(root: &Path, example: &str, arguments: &[&str]) -> Outcome {
     let mut cargo = Command::new("cargo");
     cargo.args(arguments).current_dir(root.join("examples").join(example));
-    steps::run(cargo.env("CARGO_TARGET_DIR", built(root)))
+    steps::run(cargo.env("CARGO_TARGET_DIR", directory(root)))
 }
 
 #[cfg(test)]

@@ -158,7 +158,7 @@ fn codes_are_volts_and_amperes_of_the_schematic() {
     for (leg, step) in [(1, Step::AB), (2, Step::AC), (0, Step::BA)] {
         for amperes in [-6.0, -0.1, 0.0, 0.1, 1.0, 12.0] {
             let gates = gates(step, Rectification::Synchronous);
-            // What the switched leg shows, its sample settled or not, is none of the bus.
+            // In the on-time the sample of the switched leg does not count.
             let mut shunts = gates.map(|gates| if gates == Gates::Complementary { 9999 } else { 0 });
             shunts[leg] = (amperes * per_ampere) as i32;
             let code = analog::bus_current(shunts, gates, Duty::from_bits(16_384), SampleMode::OnTime);

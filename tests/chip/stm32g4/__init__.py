@@ -1,4 +1,4 @@
-"""A model of the STM32G431 as the image of the B-G431B-ESC1 sees it, and the board around it.
+"""A model of the STM32G4 as the images of two boards see it, and the boards around it.
 
 The processor is executed instruction by instruction (unicorn); a peripheral is a file here. Registers cite the
 section of ST's reference manual RM0440. An access that the model does not know stops the run with its address and

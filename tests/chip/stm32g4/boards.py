@@ -25,7 +25,7 @@ class Board:
     """Hz."""
     can: tuple[str, int, int, int]
     """Controller: name, address, offset of its part of the message memory, number of its interrupt."""
-    timers: dict[str, tuple[str, int]]
+    clocked: dict[str, tuple[str, int]]
     """Peripherals of this board's image alone that stand still without their clock: register and bit."""
     idle_clocks: dict[str, int] = {}
     """Clocks that the image turns on and does not need, by register."""
@@ -104,7 +104,7 @@ class Esc(Board):
     flash_size, data, ram_size = 128 * KIB, 118 * KIB, 32 * KIB
     crystal = 8 * MHZ
     can = ("FDCAN1", 0x4000_6400, 0, 21)
-    timers = {"TIM4": ("APB1ENR1", 2), "LPTIM1": ("APB1ENR1", 31), "DAC3": ("AHB2ENR", 18)}
+    clocked = {"TIM4": ("APB1ENR1", 2), "LPTIM1": ("APB1ENR1", 31), "DAC3": ("AHB2ENR", 18)}
     outputs = {
         "A high": ("A", 8, 6),
         "A low": ("C", 13, 4),
@@ -113,7 +113,7 @@ class Esc(Board):
         "C high": ("A", 10, 6),
         "C low": ("B", 15, 4),
     }
-    # Docs/B-G431B-ESC1.md, section Parameters.
+    # See docs/B-G431B-ESC1.md, section Parameters.
     parameters = {"Over-voltage HV threshold": 27.0, "Minimum on-time": 6000}
     bus_divider = 18 / 187
     terminals = {(2, 17): (0, "A", 4), (2, 5): (1, "C", 4), (2, 14): (2, "B", 11)}
@@ -180,8 +180,8 @@ class Esc(Board):
 
 
 class Nucleo(Board):
-    """ST's NUCLEO-G474RE with the power board X-NUCLEO-IHM08M1 (examples/embassy-stm32): the pair of boards that
-    most people own who begin with ST's motor control. Its schematic's figures are those of NuttX, which runs on it:
+    """ST's NUCLEO-G474RE with the power board X-NUCLEO-IHM08M1 (examples/embassy-stm32): NuttX and SimpleFOC
+    projects turn motors with that power board. The schematic's figures are those of NuttX:
     10 milliohm, a gain of 5.18, 169 kohm over 9.31 kohm; comparators at 30 A on the break input.
     """
 
@@ -189,7 +189,7 @@ class Nucleo(Board):
     banks = 2
     crystal = 24 * MHZ
     can = ("FDCAN2", 0x4000_6800, 0x350, 86)
-    timers = {"TIM2": ("APB1ENR1", 0), "TIM5": ("APB1ENR1", 3)}
+    clocked = {"TIM2": ("APB1ENR1", 0), "TIM5": ("APB1ENR1", 3)}
     # Controllers of direct memory access, ports D to G, clock recovery.
     idle_clocks = {"AHB1ENR": 0x7, "AHB2ENR": 0x78, "APB1ENR1": 0x100}
     resets = {"AHB1RSTR": 0x107, "AHB2RSTR": 0x7F, "APB1RSTR1": 0x1200_0009, "APB2RSTR": 0x1}

@@ -18,7 +18,7 @@ class ChipBus(can.BusABC):
     def __init__(self, chip: Chip) -> None:
         super().__init__(channel="chip")
         self.chip = chip
-        self.channel_info = "model of the STM32G431"
+        self.channel_info = "model of the STM32G4"
 
     @property
     def time(self) -> float:

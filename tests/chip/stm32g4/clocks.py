@@ -30,7 +30,7 @@ class Clocks(Peripheral):
 
     def __init__(self, chip: object, causes: set[str]) -> None:
         super().__init__(chip, "RCC", 0x4002_1000)
-        self.gates = GATES | {place: (name,) for name, place in chip.board.timers.items()}
+        self.gates = GATES | {place: (name,) for name, place in chip.board.clocked.items()}
         self.ready: dict[str, int] = {}
         self.rate = HSI
         self.unit = SECOND // HSI

@@ -30,6 +30,7 @@ class Counter(Peripheral):
         for channel in CHANNELS:
             self.register(0x30 + 4 * channel, f"CCR{channel}", word, write=lambda value, channel=channel: self._compare(channel, value))
         self.range = 1 << 32
+        self.prescaler = 0
         self.status = 0
         self.started: int | None = None
         """Time at which the count was 0; None while it stands still."""
@@ -53,8 +54,6 @@ class Counter(Peripheral):
         elif not value & 1:
             self.started = None
         self._schedule()
-
-    prescaler = 0
 
     def _generate(self, value: int) -> None:
         if self.started is not None:
