@@ -84,8 +84,8 @@ fn compare(golden: &str, now: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Build directory of the examples: what they have in common is built once. [`regenerate`] leaves the images in
-/// it, as `EXAMPLE-IMAGE`.
+/// Build directory of the examples: what they have in common is built once. [`regenerate`] leaves the images
+/// in it, as `EXAMPLE-IMAGE`.
 pub(crate) fn directory(root: &Path) -> PathBuf {
     target_directory(root).join("examples")
 }
