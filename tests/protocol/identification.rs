@@ -2,11 +2,12 @@
 
 use crate::master_bench::Rig;
 use narx_core::commissioning::{Mode, WRITTEN};
+use narx_core::dictionary::Parameters;
 use narx_core::identification::{Asked, Figure, Identification, IdentificationError, Identified, Stage};
 use narx_core::master::{Config, Job, JobError, Request};
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::Cause;
-use narx_sim::plant::{Injection, Phase};
+use narx_sim::plant::{Injection, MotorConfig, Phase, PlantConfig};
 use narx_sim::presets::preset;
 
 /// Longest identification, s.
@@ -80,6 +81,32 @@ fn a_motor_without_a_data_sheet_is_measured() {
     assert_eq!(values(&mut rig), before, "every parameter has its value back");
     // Half of the nominal speed at most.
     assert!(turned.speed < 0.5 * 18.0 / truth.torque_constant, "{}", turned.speed);
+}
+
+/// A small motor takes 5 to 20 mA of a channel whose steps are 8 mA and whose zero is known to 1 mA.
+#[test]
+fn a_motor_that_takes_a_few_milliamperes_is_measured() {
+    let motor = MotorConfig {
+        pole_pairs: 5,
+        resistance: 45.3,
+        inductance: 14e-3,
+        torque_constant: 0.156,
+        inertia: 5e-6,
+        static_friction: 2.8e-3,
+        viscous_friction: 1.73e-6,
+        ..preset("ec45-flat-50w-18v").unwrap().motor
+    };
+    for seed in 0..4 {
+        let mut plant = PlantConfig::new(motor, 34.0);
+        plant.seed = seed;
+        plant.converter.bus_current_offset = 2.5;
+        let mut rig = Rig::of(plant, Parameters::new(), Config::default());
+        rig.until(State::Standby);
+        let turned = identify(&mut rig, Asked::new(5), |_, _| {}).unwrap().turned.unwrap();
+        assert!(turned.inertia.uncertainty < 0.15 * motor.inertia, "{}", turned.inertia.uncertainty);
+        within(turned.inertia, motor.inertia, 0.10);
+        within(turned.friction, motor.static_friction + motor.viscous_friction * turned.speed, 0.10);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use narx_core::bus::narmotion::{ControlMode, MotorMode};
 use narx_core::commissioning::{Mode, Nameplate};
-use narx_core::dictionary::{PARAMETER_COUNT, number};
+use narx_core::dictionary::{PARAMETER_COUNT, Parameters, number};
 use narx_core::master::{Answer, Config, Download, DownloadError, Master, Request, RequestError, Service};
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
@@ -28,12 +28,11 @@ impl Rig {
             supply: 18.0,
             open_loop_speed: None,
         };
-        let bench = Bench::new(&BenchConfig {
-            plant: PlantConfig::new(preset.motor, 18.0),
-            parameters: plate.commission(mode).unwrap().parameters,
-            label: String::new(),
-            trace: false,
-        });
+        Self::of(PlantConfig::new(preset.motor, 18.0), plate.commission(mode).unwrap().parameters, config)
+    }
+
+    pub(crate) fn of(plant: PlantConfig, parameters: Parameters, config: Config) -> Self {
+        let bench = Bench::new(&BenchConfig { plant, parameters, label: String::new(), trace: false });
         Self { bench: bench.without_recording(), master: Master::new(config), alive: true }
     }
 

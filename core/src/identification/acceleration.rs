@@ -1,96 +1,199 @@
-//! Inertia, from the power that accelerates the rotor.
+//! Inertia and friction, from the power that accelerates the rotor.
 //!
-//! The power of the bus, less the heat of the winding, becomes kinetic energy and friction:
+//! The energy of the bus becomes kinetic energy, friction and heat:
 //!
 //! ```text
-//!  V I - R i^2 = w (J dw/dt + J (c + b w))
+//!  V I dt = J w dw + (T + B (w - wm)) w dt + V z dt + h H dt
 //! ```
 //!
-//! with the current `i = I / D` of the phases, and the friction `c + b w` over inertia of the coasting rotor.
-//! Integrated over the acceleration it needs no derivative.
+//! with the friction torque `T` at the mean speed `wm` of the coasting rotor, its slope `B`, the error `z` of
+//! the current channel's zero, and the heat `H` that the winding's resistance tells, times `h`. The record is
+//! cut into blocks, and each is one equation for the five unknowns `J`, `T`, `B`, `z` and `h`. What is known
+//! beside the record counts as equations, too: the friction over inertia of the coasting rotor, a zero of 0,
+//! and a heat as computed. Each has the weight of its uncertainty.
 
 use super::coast::Coast;
+use super::fit::Fit;
 use super::record::Record;
 use super::winding::Winding;
 use core::f64::consts::TAU;
-use libm::{fabs, fmax};
+use libm::{exp, fabs, fmax, fmin, round};
 
-/// Shares of the rise in speed between which the power counts.
-const FROM: f64 = 0.15;
-const TO: f64 = 0.85;
+/// Blocks of a record.
+const BLOCKS: usize = 16;
 /// Rows at each end that tell the speed before and after.
 const ENDS: usize = 24;
 /// Least rise of the speed, as a share of the speed at its end.
 const LEAST: f64 = 0.2;
 
-/// The filter of the bus current shows it so much later, s.
+/// Time constant of the bus current's filter, s.
 const FILTER: f64 = 6.4e-3;
+/// The speed is the mean of the last electrical revolution, and shows it so many of these later.
+const LAG: f64 = 0.58;
 
-/// Relative uncertainty of the inertia at best.
-const FLOOR: f64 = 0.05;
-/// Error that is left of the current channel's zero, A.
-const ZERO: f64 = 1e-3;
+/// Standard deviation of the current channel's zero as the drive has found it, A.
+const ZERO: f64 = 0.7e-3;
+/// Standard deviation of the heat, as a share: commutation and switches add to that of the winding.
+const HEAT: f64 = 0.1;
+/// Standard deviation of a speed, as a share.
+const JITTER: f64 = 3e-3;
+/// Standard deviation of a block's energy, as a share: what the equation leaves out.
+const MODEL: f64 = 0.02;
+/// Standard deviation of the coasting rotor's friction: so many standard errors, because those of
+/// neighbouring thirds are not independent, or this share at least.
+const COASTED: (f64, f64) = (1.5, 0.02);
+/// Relative uncertainty of inertia and friction at best.
+const FLOOR: f64 = 0.04;
 
-/// Inertia, kg m2, with its relative uncertainty, and the torque constant as the driven motor shows it,
-/// V s/rad: `(V D - R i) / w` at the end of the record. It is high by what commutation drops.
+/// Reading of the current channel without a current, and its standard deviation in one period, A.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Channel {
+    pub(super) zero: f64,
+    pub(super) noise: f64,
+}
+
+/// Figures that an acceleration shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inertia {
-    pub(super) value: f64,
-    pub(super) uncertainty: f64,
+pub(super) struct Driven {
+    /// Inertia, kg m2, and its relative uncertainty.
+    pub(super) inertia: (f64, f64),
+    /// Coulomb friction, N m, and viscous friction, N m s/rad.
+    pub(super) friction: (f64, f64),
+    /// Mean speed of the coasting rotor, rad/s, and relative uncertainty of the friction there.
+    pub(super) known: (f64, f64),
+    /// Torque constant, V s/rad: `(V D - R i) / w` in the last block. It is high by what commutation drops.
     pub(super) torque_constant: f64,
 }
 
-/// Inertia of a record of speed, bus voltage, bus current and duty, kg m2;
-/// `None` if the speed hardly rises. zero: what the current channel reads without a current, A. pole_pairs,
-/// and the PWM period in s.
-pub(super) fn inertia(
+impl Driven {
+    /// The mean of two accelerations, weighted by their certainty. Their errors may have one cause, so the
+    /// mean is no more certain than the better one.
+    pub(super) fn mean(self, other: Self) -> Self {
+        let weighted = |one: f64, two: f64, off: f64, away: f64| {
+            let (left, right) = (1.0 / square(off), 1.0 / square(away));
+            (one * left + two * right) / (left + right)
+        };
+        let ((one, off), (two, away)) = (self.inertia, other.inertia);
+        let friction = |one: f64, two: f64| weighted(one, two, self.known.1, other.known.1);
+        Self {
+            inertia: (weighted(one, two, off, away), fmin(off, away)),
+            friction: (
+                friction(self.friction.0, other.friction.0),
+                friction(self.friction.1, other.friction.1),
+            ),
+            known: (other.known.0, fmin(self.known.1, other.known.1)),
+            ..other
+        }
+    }
+}
+
+/// Balance of a block: energy of the bus and heat of the winding, J, bus voltage and back-EMF over time, V s,
+/// and what inertia and friction are multiplied with.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    energy: f64,
+    heat: f64,
+    volts: f64,
+    back_emf: f64,
+    /// Half of the rise of the squared speed.
+    rise: f64,
+    /// Integrals of the speed and of its square.
+    turned: (f64, f64),
+    /// Speed at its end, rad/s.
+    speed: f64,
+}
+
+/// Inertia and friction of a record of speed, bus voltage, bus current and duty; `None` if the speed hardly
+/// rises, or if they cannot be told apart. period: of the PWM, s.
+pub(super) fn driven(
     record: &Record,
     winding: &Winding,
     coast: &Coast,
-    zero: f64,
+    channel: Channel,
     pole_pairs: f64,
     period: f64,
-) -> Option<Inertia> {
-    let rows = || record.rows::<4>().map(|[speed, ..]| fabs(speed) * TAU / 60.0);
-    let mean = |rows: &mut dyn Iterator<Item = f64>| rows.sum::<f64>() / ENDS as f64;
-    let begin = mean(&mut rows().take(ENDS));
-    let end = mean(&mut rows().rev().take(ENDS));
-    let rise = end - begin;
-    if end.is_nan() || rise < LEAST * end {
+) -> Option<Driven> {
+    let interval = record.interval;
+    let shown = |row: usize| record.row::<4>(row).map_or(0.0, |[rpm, ..]| fabs(rpm) * TAU / 60.0);
+    let mean = |first: usize| (first..first + ENDS).map(shown).sum::<f64>() / ENDS as f64;
+    let count = record.len::<4>();
+    let (begin, end) = (mean(0), mean(count.checked_sub(ENDS)?));
+    if begin <= 0.0 || end - begin < LEAST * end {
         return None;
     }
-    let first = rows().position(|speed| speed > begin + FROM * rise)?;
-    let last = rows().position(|speed| speed > begin + TO * rise)?;
-    let (mut energy, mut lost, mut friction, mut unsure) = (0.0, 0.0, 0.0, 0.0);
+    let rows_in = |time: f64| round(time / interval) as usize;
+    let lag = |speed: f64| rows_in(LAG * TAU / (fmax(speed, 0.5 * begin) * pole_pairs));
+    let delay = rows_in(FILTER);
+    let length = count.checked_sub(delay + lag(begin) + 1)? / BLOCKS;
+    // Speeds pass the filter that the current has passed.
+    let passes = 1.0 - exp(-interval / FILTER);
+    let mut seen = [square(begin) / 2.0, -begin * FILTER, -square(begin) * FILTER];
+    let (mut angle, mut squares) = (0.0, 0.0);
+    let mut blocks = [Block::default(); BLOCKS];
+    for (number, block) in blocks.iter_mut().enumerate() {
+        let before = seen;
+        for row in number * length..(number + 1) * length {
+            let [_, voltage, current, _] = record.row(row)?;
+            // The winding's heat needs a current and a duty of the same time.
+            let [.., duty] = record.row::<4>(row.saturating_sub(delay))?;
+            let speed = shown(row + lag(shown(row)));
+            let (current, duty) = (current - channel.zero, fmax(duty / 100.0 - winding.lost, 0.01));
+            block.back_emf += (voltage * duty - winding.resistance * current / duty) * interval;
+            let ripple = voltage * duty * (1.0 - duty) * period / winding.inductance;
+            let heat = winding.resistance * (square(current / duty) + square(ripple) / 12.0);
+            block.energy += voltage * current * interval;
+            block.heat += heat * interval;
+            block.volts += voltage * interval;
+            block.speed = speed;
+            angle += speed * interval;
+            squares += square(speed) * interval;
+            for (seen, now) in seen.iter_mut().zip([square(speed) / 2.0, angle, squares]) {
+                *seen += passes * (now - *seen);
+            }
+        }
+        block.rise = seen[0] - before[0];
+        block.turned = (seen[1] - before[1], seen[2] - before[2]);
+    }
     let (c, b) = (coast.friction.0 / pole_pairs, coast.friction.1);
-    let late = libm::round(FILTER / record.interval) as usize;
-    let currents = record.rows::<4>().map(|[_, _, current, _]| current).skip(first + late);
-    let driven = record.rows::<4>().skip(first).take(last.checked_sub(first)?);
-    for ([rpm, voltage, _, duty], current) in driven.zip(currents) {
-        let speed = fabs(rpm) * TAU / 60.0;
-        let duty = fmax(duty / 100.0 - winding.lost, 0.01);
-        let current = current - zero;
-        let phase = current / duty;
-        let ripple = voltage * duty * (1.0 - duty) * period / winding.inductance;
-        let heat = winding.resistance * (phase * phase + ripple * ripple / 12.0);
-        energy += voltage * current * record.interval;
-        unsure += voltage * ZERO * record.interval;
-        lost += heat * record.interval;
-        friction += (c + b * speed) * speed * record.interval;
+    let middle = coast.mean / pole_pairs;
+    let deceleration = c + b * middle;
+    // The scale of the weights: the inertia by the balance of the whole record.
+    let energy: f64 = blocks.iter().map(|block| block.energy - block.heat).sum();
+    let scale =
+        energy / blocks.iter().map(|block| block.rise + c * block.turned.0 + b * block.turned.1).sum::<f64>();
+    if !(scale.is_finite() && scale > 0.0) {
+        return None;
     }
-    let at = |row: usize| rows().nth(row);
-    let (slow, fast) = (at(first)?, at(last)?);
-    let kinetic = (fast * fast - slow * slow) / 2.0;
-    let value = (energy - lost) / (kinetic + friction);
-    // The heat is known to a fifth, with what commutation adds, and friction as the coasting rotor shows it.
-    let off = FLOOR + (0.2 * lost + unsure) / fmax(energy - lost, 1e-9);
-    let uncertainty = off + coast.error * friction / (kinetic + friction);
-    let (mut back_emf, mut turned) = (0.0, 0.0);
-    for [rpm, voltage, current, duty] in record.rows::<4>().rev().take(ENDS) {
-        let duty = fmax(duty / 100.0 - winding.lost, 0.01);
-        back_emf += voltage * duty - winding.resistance * (current - zero) / duty;
-        turned += fabs(rpm) * TAU / 60.0;
+    let weight = |deviation: f64| 1.0 / square(deviation);
+    let coasted = fmax(COASTED.0 * coast.error / pole_pairs, COASTED.1 * deceleration);
+    let split = fmax(COASTED.0 * coast.split, COASTED.1 * b);
+    let mut fit = Fit::default();
+    fit.add(&[-deceleration, 1.0, 0.0, 0.0, 0.0], 0.0, weight(coasted * scale));
+    fit.add(&[-b, 0.0, 1.0, 0.0, 0.0], 0.0, weight(split * scale));
+    fit.add(&[0.0, 0.0, 0.0, 1.0, 0.0], 0.0, weight(ZERO));
+    fit.add(&[0.0, 0.0, 0.0, 0.0, 1.0], 1.0, weight(HEAT));
+    for block in &blocks {
+        let volts = block.volts / (length as f64 * interval);
+        let noise = square(channel.noise) * volts * block.volts * period;
+        let jitter = 2.0 * square(scale * square(block.speed) * JITTER);
+        let (angle, squares) = block.turned;
+        let row = [block.rise, angle, squares - middle * angle, block.volts, block.heat];
+        fit.add(&row, block.energy, 1.0 / (noise + jitter + square(MODEL * block.energy)));
     }
-    let torque_constant = back_emf / turned;
-    (value.is_finite() && value > 0.0).then_some(Inertia { value, uncertainty, torque_constant })
+    let fit = fit.solve()?;
+    let [inertia, torque, slope, ..] = fit.value;
+    // Friction never drives.
+    let viscous = fmin(fmax(slope, 0.0), torque / middle);
+    let relative = |place: usize| FLOOR + 2.0 * fit.error[place] / fit.value[place];
+    let last = blocks.last()?;
+    (inertia > 0.0 && torque > 0.0).then_some(Driven {
+        inertia: (inertia, relative(0)),
+        friction: (torque - viscous * middle, viscous),
+        known: (middle, relative(1)),
+        torque_constant: last.back_emf / last.turned.0,
+    })
+}
+
+fn square(x: f64) -> f64 {
+    x * x
 }

@@ -42,10 +42,14 @@ pub(super) struct Coast {
     pub(super) flux: (f64, f64),
     /// Speed when the bridge went off, rad/s.
     pub(super) speed: f64,
+    /// Mean speed of what was recorded, rad/s.
+    pub(super) mean: f64,
     /// Coulomb friction and viscous friction over inertia: `c`, rad/s2, and `b`, 1/s.
     pub(super) friction: (f64, f64),
-    /// Standard error of the deceleration at the mean speed, relative.
+    /// Standard error of the deceleration at the mean speed, rad/s2.
     pub(super) error: f64,
+    /// Standard error of `b`, 1/s.
+    pub(super) split: f64,
 }
 
 /// One third of an electrical revolution.
@@ -88,44 +92,47 @@ impl Coast {
             return None;
         }
         let fastest = thirds.iter().map(|third| third.speed).fold(0.0, fmax);
-        let mut flux = Fit::<1>::default();
+        let mut flux = Fit::default();
         for third in thirds.iter().filter(|third| third.speed > FAST * fastest) {
-            flux.add([1.0], third.whole_flux(record.interval), 1.0);
+            flux.add(&[1.0], third.whole_flux(record.interval), 1.0);
         }
         let flux = flux.solve()?;
-        let (friction, begin, error) = friction(&thirds)?;
+        let (friction, begin, error, split) = friction(&thirds)?;
         let mean = (first.speed + last.speed) / 2.0;
-        let deceleration = friction.0 + friction.1 * mean;
         Some(Self {
             flux: (flux.value[0], flux.error[0]),
             speed: begin,
+            mean,
             friction,
-            error: error / deceleration,
+            error,
+            split: fmin(split, (friction.0 + friction.1 * mean) / mean),
         })
     }
 }
 
-/// `c`, `b`, the speed at time 0, and the standard error of the deceleration. Friction never drives: a `b` or
-/// a `c` below 0 is taken as 0.
-fn friction(thirds: &[Third]) -> Option<((f64, f64), f64, f64)> {
-    let (mut both, mut dry, mut wet) = (Fit::<3>::default(), Fit::<2>::default(), Fit::<2>::default());
+/// `c`, `b`, the speed at time 0, and the standard errors of the deceleration and of `b`. Friction never
+/// drives: a `b` or a `c` below 0 is taken as 0.
+fn friction(thirds: &[Third]) -> Option<((f64, f64), f64, f64, f64)> {
+    let (mut both, mut dry, mut wet) = (Fit::default(), Fit::default(), Fit::default());
     for (number, third) in thirds.iter().enumerate() {
         let angle = (number as f64 + 0.5) * TAU / 3.0;
-        both.add([1.0, -third.time, -angle], third.speed, 1.0);
-        dry.add([1.0, -third.time], third.speed, 1.0);
-        wet.add([1.0, -angle], third.speed, 1.0);
+        both.add(&[1.0, -third.time, -angle], third.speed, 1.0);
+        dry.add(&[1.0, -third.time], third.speed, 1.0);
+        wet.add(&[1.0, -angle], third.speed, 1.0);
     }
     // The deceleration in the mean is what a straight line shows; its two parts are less certain.
     let line = dry.solve()?;
-    let straight = ((line.value[1], 0.0), line.value[0], line.error[1]);
-    Some(match both.solve() {
-        Some(fit) if fit.value[1] < 0.0 => {
-            let fit = wet.solve()?;
-            ((0.0, fit.value[1]), fit.value[0], line.error[1])
+    let both = both.solve();
+    let split = both.map_or(f64::INFINITY, |fit| fit.error[2]);
+    let (friction, begin) = match both.map(|fit| fit.value) {
+        Some([_, c, ..]) if c < 0.0 => {
+            let [begin, b, ..] = wet.solve()?.value;
+            ((0.0, b), begin)
         }
-        Some(fit) if fit.value[2] >= 0.0 => ((fit.value[1], fit.value[2]), fit.value[0], line.error[1]),
-        _ => straight,
-    })
+        Some([begin, c, b, ..]) if b >= 0.0 => ((c, b), begin),
+        _ => ((line.value[1], 0.0), line.value[0]),
+    };
+    Some((friction, begin, line.error[1], split))
 }
 
 /// The thirds between crossings that follow each other in one sense.
@@ -185,6 +192,11 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
         }
     }
     thirds
+}
+
+/// Highest voltage of a terminal while the rotor coasts, V.
+pub(super) fn highest(record: &Record) -> f64 {
+    record.rows::<3>().skip(SKIPPED).flatten().fold(0.0, fmax)
 }
 
 /// Samples after the stop in which the winding's current may still flow.

@@ -2,31 +2,29 @@
 
 use libm::{fabs, sqrt};
 
-/// Sums of a linear fit of `N` unknowns.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fit<const N: usize> {
-    normal: [[f64; N]; N],
-    right: [f64; N],
+/// Most unknowns of a fit.
+pub(super) const UNKNOWNS: usize = 5;
+
+/// Sums of a linear fit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fit {
+    normal: [[f64; UNKNOWNS]; UNKNOWNS],
+    right: [f64; UNKNOWNS],
     square: f64,
-    count: u32,
+    unknowns: usize,
+    count: usize,
 }
 
-/// Unknowns with their standard errors.
+/// Unknowns with their standard errors; 0 beyond those of the fit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Solution<const N: usize> {
-    pub(super) value: [f64; N],
-    pub(super) error: [f64; N],
+pub(super) struct Solution {
+    pub(super) value: [f64; UNKNOWNS],
+    pub(super) error: [f64; UNKNOWNS],
 }
 
-impl<const N: usize> Default for Fit<N> {
-    fn default() -> Self {
-        Self { normal: [[0.0; N]; N], right: [0.0; N], square: 0.0, count: 0 }
-    }
-}
-
-impl<const N: usize> Fit<N> {
-    /// Adds `y = sum(row * unknowns)`, which counts `weight` times.
-    pub(super) fn add(&mut self, row: [f64; N], y: f64, weight: f64) {
+impl Fit {
+    /// Adds `y = sum(row * unknowns)`, which counts `weight` times. All rows are equally long.
+    pub(super) fn add(&mut self, row: &[f64], y: f64, weight: f64) {
         for (sums, a) in self.normal.iter_mut().zip(row) {
             for (sum, b) in sums.iter_mut().zip(row) {
                 *sum += weight * a * b;
@@ -36,29 +34,32 @@ impl<const N: usize> Fit<N> {
             *sum += weight * a * y;
         }
         self.square += weight * y * y;
+        self.unknowns = row.len();
         self.count += 1;
     }
 
     /// The unknowns; `None` if the rows do not determine them.
-    pub(super) fn solve(&self) -> Option<Solution<N>> {
-        if (self.count as usize) < N {
-            return None;
+    pub(super) fn solve(&self) -> Option<Solution> {
+        let mut normal = self.normal;
+        for (place, row) in normal.iter_mut().enumerate().skip(self.unknowns) {
+            row[place] = 1.0;
         }
-        let value = solve(self.normal, self.right)?;
+        let freedom = self.count.checked_sub(self.unknowns)?.max(1) as f64;
+        let value = solve(normal, self.right)?;
         let explained: f64 = value.iter().zip(self.right).map(|(x, b)| x * b).sum();
-        let freedom = (self.count as usize - N).max(1) as f64;
         let variance = libm::fmax(self.square - explained, 0.0) / freedom;
-        let mut error = [0.0; N];
-        for (place, error) in error.iter_mut().enumerate() {
+        let mut error = [0.0; UNKNOWNS];
+        for (place, error) in error.iter_mut().enumerate().take(self.unknowns) {
             let unit = core::array::from_fn(|at| if at == place { 1.0 } else { 0.0 });
-            *error = sqrt(libm::fmax(solve(self.normal, unit)?.get(place)? * variance, 0.0));
+            *error = sqrt(libm::fmax(solve(normal, unit)?.get(place)? * variance, 0.0));
         }
         Some(Solution { value, error })
     }
 }
 
 /// Gaussian elimination with the largest pivot of each column.
-fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; N]> {
+fn solve(mut a: [[f64; UNKNOWNS]; UNKNOWNS], mut b: [f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
+    const N: usize = UNKNOWNS;
     for column in 0..N {
         let pivot = (column..N).max_by(|x, y| fabs(a[*x][column]).total_cmp(&fabs(a[*y][column])))?;
         a.swap(column, pivot);

@@ -7,7 +7,7 @@
 //! ```text
 //!  hold        direct current in two phases at rising levels, each let go   -> R, L       (winding)
 //!  spin, coast closed loop without sensors, then the bridge off             -> k          (coast)
-//!  accelerate  a step of the speed, then the bridge off                     -> J, friction (acceleration, coast)
+//!  accelerate  a ramp of the speed, twice, with a coast between             -> J, friction (acceleration)
 //! ```
 //!
 //! Each step is commissioned from what the ones before have measured. At the end, and after an error, the
@@ -33,7 +33,7 @@ use crate::master::{JobError, Master, RequestError};
 use crate::motor::Board;
 use crate::motor::guard::fault::Cause;
 use crate::motor::signal::Signal;
-use acceleration::{Inertia, inertia};
+use acceleration::{Channel, Driven, driven};
 use coast::Coast;
 use core::f64::consts::TAU;
 use heapless::Vec;
@@ -83,9 +83,8 @@ struct Found {
     coast: Option<Coast>,
     /// N m/A, with its standard error.
     torque_constant: (f64, f64),
-    inertia: Option<Inertia>,
-    /// Reading of the current channel without a current, A.
-    zero: f64,
+    driven: Option<Driven>,
+    channel: Channel,
     /// Set-point of the last run, rpm.
     speed: f64,
 }
@@ -113,6 +112,8 @@ const PATIENCE: u64 = 5_000_000;
 const SHARE: f64 = 0.42;
 /// And the least that is enough.
 const ENOUGH: f64 = 0.33;
+/// Back-EMF below this share of the supply leaves room for three times the speed.
+const FAINT: f64 = 0.1;
 /// A set-point may be this many times slower than what commissioning allows.
 const SLOWER: f64 = 3.0;
 /// Most starts that look for that speed.
@@ -271,7 +272,7 @@ impl Identification {
             return self.finish(master, Err(error));
         }
         self.failed += 1;
-        (self.round, self.found.inertia) = (0, None);
+        (self.round, self.found.driven) = (0, None);
         self.script.give_up(master);
     }
 
@@ -413,6 +414,7 @@ impl Identification {
 
     /// R and L are there.
     fn winding(&mut self, master: &mut Master, current: f64) -> Result<(), IdentificationError> {
+        self.found.channel = winding::channel(&mut self.locks);
         let locks = &self.locks;
         let (low, high) = locks
             .iter()
@@ -425,7 +427,6 @@ impl Identification {
         if winding.resistance <= self.asked.bridge {
             return Err(IdentificationError::Short { resistance: winding.resistance });
         }
-        self.found.zero = locks.iter().map(|lock| lock.zero).sum::<f64>() / locks.len() as f64;
         (self.found.winding, self.found.current) = (Some(winding), current);
         if !self.asked.turn {
             self.finish(master, Ok(self.identified(&winding)));
@@ -441,16 +442,19 @@ impl Identification {
         let (k, _) = self.found.torque_constant;
         let k = if k > 0.0 { k } else { MOTOR_CONSTANT * sqrt(total) };
         let guess = MECHANICAL_TIME[self.failed.min(MECHANICAL_TIME.len() - 1)] * k * k / total;
-        let inertia = self.found.inertia.map_or(guess, |inertia| inertia.value);
-        let friction = self.found.coast.map_or((0.0, 0.0), |coast| coast.friction);
+        let inertia = self.found.driven.map_or(guess, |driven| driven.inertia.0);
+        let poles = f64::from(self.asked.pole_pairs);
+        let coasted = self.found.coast.map_or((0.0, 0.0), |coast| coast.friction);
+        let coasted = (coasted.0 / poles * inertia, coasted.1 * inertia);
+        let (static_friction, viscous_friction) = self.found.driven.map_or(coasted, |driven| driven.friction);
         Motor {
             pole_pairs: self.asked.pole_pairs,
             resistance: total - self.asked.bridge,
             inductance: self.found.winding.map_or(1e-3, |winding| winding.inductance),
             torque_constant: k,
             inertia,
-            static_friction: friction.0 / f64::from(self.asked.pole_pairs) * inertia,
-            viscous_friction: friction.1 * inertia,
+            static_friction,
+            viscous_friction,
         }
     }
 
@@ -541,7 +545,9 @@ impl Identification {
                 let unseen = IdentificationError::NoBackEmf { rpm: self.found.speed };
                 return Err(self.last.unwrap_or(unseen));
             }
-            return self.spin(1.5 * self.found.speed, SPIN);
+            // The less it is, the faster the next run may be.
+            let faint = coast::highest(&self.script.record) < FAINT * self.found.supply;
+            return self.spin(if faint { 3.0 } else { 1.5 } * self.found.speed, SPIN);
         };
         self.found.torque_constant = coast.torque_constant(poles);
         let (k, _) = self.found.torque_constant;
@@ -599,31 +605,34 @@ impl Identification {
         match self.round {
             1 => self.accelerate(self.found.speed),
             2 | 4 => {
-                let rising = inertia(&self.script.record, &winding, &coast, self.found.zero, poles, period)
+                let rising = driven(&self.script.record, &winding, &coast, self.found.channel, poles, period)
                     .ok_or(IdentificationError::Unsteady(self.stage))?;
                 // Two ways to the same constant: what was recorded fits a motor if they agree.
-                self.found.inertia = Some(rising);
+                self.found.driven = Some(match self.found.driven {
+                    Some(before) => before.mean(rising),
+                    None => rising,
+                });
                 if !self.agrees(self.found.torque_constant.0) {
                     return Err(IdentificationError::Unsteady(self.stage));
                 }
-                // From here the rotor coasts.
-                self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
-                self.coast();
+                if self.round == 4 {
+                    self.finish(master, Ok(self.identified(&winding)));
+                } else {
+                    self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
+                    self.coast();
+                }
                 Ok(())
             }
             _ => {
                 // A record that shows too little of the rotor leaves what the one before has shown.
                 if let Some(coast) = Coast::of(&self.script.record)
                     && self.agrees(coast.torque_constant(poles).0)
+                    && coast.torque_constant(poles).1 < self.found.torque_constant.1
                 {
                     (self.found.coast, self.found.torque_constant) =
                         (Some(coast), coast.torque_constant(poles));
                 }
-                if self.round == 3 {
-                    return self.accelerate(self.found.speed);
-                }
-                self.finish(master, Ok(self.identified(&winding)));
-                Ok(())
+                self.accelerate(self.found.speed)
             }
         }
     }
@@ -631,7 +640,7 @@ impl Identification {
     /// This torque constant agrees with the back-EMF of the driven motor.
     fn agrees(&self, torque_constant: f64) -> bool {
         self.found
-            .inertia
+            .driven
             .is_some_and(|seen| fabs(torque_constant - seen.torque_constant) <= AGREES * seen.torque_constant)
     }
 
@@ -656,22 +665,17 @@ impl Identification {
     }
 
     fn turned(&self) -> Option<Turned> {
-        let (coast, inertia) = (self.found.coast?, self.found.inertia?);
+        let driven = self.found.driven?;
         let (k, error) = self.found.torque_constant;
-        let speed = self.found.speed * TAU / 60.0;
-        let motor = self.motor();
-        let friction = motor.static_friction + motor.viscous_friction * speed;
-        let uncertain = inertia.uncertainty;
+        let relative = |value: f64, uncertainty: f64| Figure { value, uncertainty: uncertainty * value };
+        let (inertia, uncertainty) = driven.inertia;
+        let ((static_friction, viscous_friction), (speed, unsure)) = (driven.friction, driven.known);
         Some(Turned {
             torque_constant: Figure { value: k, uncertainty: 0.015 * k + 3.0 * error },
-            inertia: Figure { value: inertia.value, uncertainty: uncertain * inertia.value },
-            friction: Figure {
-                value: friction,
-                // Three standard errors: those of neighbouring thirds are not independent.
-                uncertainty: sqrt(uncertain * uncertain + 9.0 * coast.error * coast.error) * friction,
-            },
-            static_friction: motor.static_friction,
-            viscous_friction: motor.viscous_friction,
+            inertia: relative(inertia, uncertainty),
+            friction: relative(static_friction + viscous_friction * speed, unsure),
+            static_friction,
+            viscous_friction,
             speed,
         })
     }

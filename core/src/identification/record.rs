@@ -41,14 +41,23 @@ impl Record {
         }
     }
 
-    /// Every row, with `N` signals, in their units.
+    /// Number of rows of `N` signals.
+    pub(super) fn len<const N: usize>(&self) -> usize {
+        self.words.len() / N
+    }
+
+    /// A row of `N` signals, in their units.
+    pub(super) fn row<const N: usize>(&self, row: usize) -> Option<[f64; N]> {
+        let words = self.words.get(N * row..N * (row + 1))?;
+        Some(core::array::from_fn(|at| match (words.get(at), self.steps.get(at)) {
+            (Some(word), Some(step)) => f64::from(*word) * step,
+            _ => 0.0,
+        }))
+    }
+
+    /// Every row of `N` signals.
     pub(super) fn rows<const N: usize>(&self) -> impl DoubleEndedIterator<Item = [f64; N]> + Clone + '_ {
-        self.words.chunks_exact(N).map(|row| {
-            core::array::from_fn(|at| match (row.get(at), self.steps.get(at)) {
-                (Some(word), Some(step)) => f64::from(*word) * step,
-                _ => 0.0,
-            })
-        })
+        (0..self.len::<N>()).filter_map(|row| self.row(row))
     }
 }
 

@@ -11,6 +11,7 @@
 //! current returns to the bus through two diodes. The charge that comes back gives L: it needs no fast
 //! measurement, because a filter keeps it.
 
+use super::acceleration::Channel;
 use super::record::Record;
 use heapless::Vec;
 use libm::{exp, fabs, fmax, fmin, log};
@@ -19,8 +20,8 @@ use libm::{exp, fabs, fmax, fmin, log};
 const DIODE: f64 = 0.8;
 /// From the end of a pulse to the sample of the off-time, s (`sample_settle` of the drive).
 const SETTLE: f64 = 3e-6;
-/// Share of the period from which the drive's answer acts.
-const EARLIEST: f64 = 0.125;
+/// From the beginning of a period until the drive's answer acts, s.
+const EARLIEST: f64 = 12.5e-6;
 /// Up to this duty the drive reads the current after the pulse, from the other one on in its middle.
 pub(super) const OFF_TIME: f64 = 0.19;
 pub(super) const ON_TIME: f64 = 0.27;
@@ -99,6 +100,9 @@ impl Lock {
 const DEAD_TIME: f64 = 1e-3;
 /// Rows at the end of a record in which nothing flows.
 const TAIL: usize = 160;
+/// A zero this far from the others, in standard deviations of one reading, is none: those of two levels
+/// differ by a tenth.
+const ASTRAY: f64 = 0.25;
 /// Rows after the stop that show how far the bus has risen.
 const RAISED: usize = 8;
 /// A current that is less than this many standard deviations of a reading is none.
@@ -140,6 +144,22 @@ impl Pulses {
     fn trough(self) -> f64 {
         self.crest() * exp(-(1.0 - self.duty) * self.length)
     }
+}
+
+/// The current channel as all levels show it. A drive that looks for its zero while the bridge is off may
+/// take some of the returning current for an offset: that level's reading after the stop is off by several
+/// mA, and the median takes its place.
+pub(super) fn channel(locks: &mut [Lock]) -> Channel {
+    let noise = locks.iter().map(|lock| lock.noise).fold(f64::MAX, fmin);
+    let zeros = || locks.iter().map(|lock| lock.zero);
+    let below = |zero: f64| zeros().filter(|other| *other < zero).count();
+    let median = zeros().min_by_key(|zero| below(*zero).abs_diff(locks.len() / 2)).unwrap_or(0.0);
+    for lock in locks.iter_mut().filter(|lock| fabs(lock.zero - median) > ASTRAY * noise) {
+        lock.current += lock.zero - median;
+        lock.zero = median;
+    }
+    let zero = locks.iter().map(|lock| lock.zero).sum::<f64>() / locks.len() as f64;
+    Channel { zero, noise }
 }
 
 /// R and L of several levels; `None` where they fit no winding. period: of the PWM, s.
@@ -216,8 +236,8 @@ fn inductance(locks: &[Lock], winding: &Winding, period: f64) -> Option<f64> {
     Some(low)
 }
 
-/// Charge that returns to the bus after the last reading of a pulse, As: `L di/dt = -(V + 2 Vd + R i)` from
-/// the current at the stop to 0.
+/// Charge that is seen to return to the bus after the last reading of a pulse, As:
+/// `L di/dt = -(V + 2 Vd + R i)` from the current at the stop to one that is lost in the noise.
 fn charge(lock: &Lock, winding: &Winding, inductance: f64, period: f64) -> f64 {
     let r = winding.resistance;
     let constant = inductance / r;
@@ -227,13 +247,14 @@ fn charge(lock: &Lock, winding: &Winding, inductance: f64, period: f64) -> f64 {
     // off; read after it, the current circulates until then.
     let (current, flowed) = if lock.level > OFF_TIME {
         let middle = pulses.duty / 2.0;
-        let stop = fmin(middle + EARLIEST, pulses.duty);
+        let stop = fmin(middle + EARLIEST / period, pulses.duty);
         (full * pulses.rising(stop), full * pulses.flows(middle, stop) * period)
     } else {
-        let stop = fmax(lock.duty / 2.0 * period + SETTLE, EARLIEST * period);
+        let stop = fmax(lock.duty / 2.0 * period + SETTLE, EARLIEST);
         (full * pulses.crest() * exp(-(stop - pulses.duty / 2.0 * period) / constant), 0.0)
     };
     let against = (lock.voltage + lock.raised) / 2.0 + 2.0 * DIODE;
-    let time = constant * log(1.0 + current * r / against);
-    (inductance * current - against * time) / r - flowed
+    let until = fmin(CLEAR * lock.noise, current);
+    let time = constant * log((against + current * r) / (against + until * r));
+    (inductance * (current - until) - against * time) / r - flowed
 }

@@ -38,6 +38,9 @@ const BOOTED: f64 = 1.2;
 /// Longest identification, s of simulated time.
 const LONGEST: f64 = 60.0;
 
+/// Share of the rated torque that the friction may be off, where its limit is less.
+const OF_RATED_TORQUE: f64 = 1e-3;
+
 /// The measured figures with their limits: the largest error, as a share, that an identification should have.
 const FIGURES: [(&str, f64); 5] = [
     ("resistance", 0.03),
@@ -83,6 +86,8 @@ pub fn command(arguments: &Arguments) -> ExitCode {
 struct Trial {
     name: String,
     motor: MotorConfig,
+    /// N m; 0 if it is unknown.
+    rated_torque: f64,
     /// `None` if it has not ended in time.
     outcome: Option<Result<Identified, IdentificationError>>,
     /// Temperature of the winding when its resistance was measured, and at the end, degrees Celsius.
@@ -91,6 +96,21 @@ struct Trial {
     time: f64,
     /// Largest phase current, A.
     peak: f64,
+}
+
+/// A measured figure and its stated uncertainty, over the true one.
+#[derive(Clone, Copy)]
+struct Ratio {
+    value: f64,
+    uncertainty: f64,
+    /// Error that is allowed at least.
+    least: f64,
+}
+
+impl Ratio {
+    fn error(&self) -> f64 {
+        (self.value - 1.0).abs()
+    }
 }
 
 impl Trial {
@@ -133,6 +153,7 @@ impl Trial {
         Self {
             name: subject.command.rsplit("--").next().unwrap_or_default().to_owned(),
             motor,
+            rated_torque: subject.preset.data.rated_torque.unwrap_or(0.0),
             outcome,
             temperatures: [held.unwrap_or(end), end],
             time: bench.time() - BOOTED,
@@ -140,8 +161,8 @@ impl Trial {
         }
     }
 
-    /// The measured figures over the true ones, with their stated uncertainties, in the order of [`FIGURES`].
-    fn ratios(&self) -> Option<[(f64, f64); 5]> {
+    /// The measured figures over the true ones, in the order of [`FIGURES`].
+    fn ratios(&self) -> Option<[Ratio; 5]> {
         let found = self.outcome.as_ref()?.as_ref().ok()?;
         let turned = found.turned?;
         let m = &self.motor;
@@ -153,13 +174,19 @@ impl Trial {
             (turned.inertia, m.inertia),
             (turned.friction, m.static_friction + m.viscous_friction * turned.speed),
         ];
-        Some(figures.map(|(figure, truth)| (figure.value / truth, figure.uncertainty / truth)))
+        let mut ratios = figures.map(|(figure, truth)| Ratio {
+            value: figure.value / truth,
+            uncertainty: figure.uncertainty / truth,
+            least: 0.0,
+        });
+        ratios[4].least = OF_RATED_TORQUE * self.rated_torque / figures[4].1;
+        Some(ratios)
     }
 
     fn line(&self) -> String {
         let result = match (&self.outcome, self.ratios()) {
             (_, Some(ratios)) => {
-                ratios.map(|(ratio, unsure)| format!("{ratio:.3} +- {unsure:.3}")).join("  ")
+                ratios.map(|ratio| format!("{:.3} +- {:.3}", ratio.value, ratio.uncertainty)).join("  ")
             }
             (Some(Err(error)), _) => error.to_string(),
             _ => "has not ended".to_owned(),
@@ -169,19 +196,18 @@ impl Trial {
 }
 
 fn summarise(name: &str, trials: &[Trial]) {
-    let measured: Vec<[(f64, f64); 5]> = trials.iter().filter_map(Trial::ratios).collect();
+    let measured: Vec<[Ratio; 5]> = trials.iter().filter_map(Trial::ratios).collect();
     println!("{name}: {} of {} identified", measured.len(), trials.len());
     for (place, (figure, limit)) in FIGURES.into_iter().enumerate() {
-        let errors: Vec<(f64, f64)> =
-            measured.iter().map(|ratios| ((ratios[place].0 - 1.0).abs(), ratios[place].1)).collect();
-        let per_cent = |holds: &dyn Fn(&(f64, f64)) -> bool| {
-            100.0 * errors.iter().filter(|error| holds(error)).count() as f64 / errors.len().max(1) as f64
+        let ratios: Vec<Ratio> = measured.iter().map(|ratios| ratios[place]).collect();
+        let per_cent = |holds: &dyn Fn(&Ratio) -> bool| {
+            100.0 * ratios.iter().filter(|ratio| holds(ratio)).count() as f64 / ratios.len().max(1) as f64
         };
-        let mut sorted: Vec<f64> = errors.iter().map(|error| error.0).collect();
+        let mut sorted: Vec<f64> = ratios.iter().map(Ratio::error).collect();
         println!(
             "{figure:16} within {limit}: {:.1} %; within what was stated: {:.1} %; {}",
-            per_cent(&|error| error.0 <= limit),
-            per_cent(&|error| error.0 <= error.1),
+            per_cent(&|ratio| ratio.error() <= limit.max(ratio.least)),
+            per_cent(&|ratio| ratio.error() <= ratio.uncertainty),
             spread(&mut sorted, "")
         );
     }
