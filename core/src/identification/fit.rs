@@ -42,7 +42,7 @@ impl Fit {
     pub(super) fn solve(&self) -> Option<Solution> {
         let mut normal = self.normal;
         for (place, row) in normal.iter_mut().enumerate().skip(self.unknowns) {
-            row[place] = 1.0;
+            *row.get_mut(place)? = 1.0;
         }
         let freedom = self.count.checked_sub(self.unknowns)?.max(1) as f64;
         let value = solve(normal, self.right)?;
@@ -59,27 +59,32 @@ impl Fit {
 
 /// Gaussian elimination with the largest pivot of each column.
 fn solve(mut a: [[f64; UNKNOWNS]; UNKNOWNS], mut b: [f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
-    const N: usize = UNKNOWNS;
-    for column in 0..N {
-        let pivot = (column..N).max_by(|x, y| fabs(a[*x][column]).total_cmp(&fabs(a[*y][column])))?;
-        a.swap(column, pivot);
-        b.swap(column, pivot);
-        let (top, right) = (a[column], b[column]);
-        if top[column] == 0.0 || !top[column].is_finite() {
+    for column in 0..UNKNOWNS {
+        let size = |row: usize| a.get(row).and_then(|row| row.get(column)).map_or(0.0, |cell| fabs(*cell));
+        let pivot = (column..UNKNOWNS).max_by(|x, y| size(*x).total_cmp(&size(*y)))?;
+        if pivot >= UNKNOWNS {
             return None;
         }
-        for row in column + 1..N {
-            let factor = a[row][column] / top[column];
-            for (cell, above) in a[row].iter_mut().zip(top) {
+        a.swap(column, pivot);
+        b.swap(column, pivot);
+        let (top, right) = (*a.get(column)?, *b.get(column)?);
+        let head = *top.get(column)?;
+        if head == 0.0 || !head.is_finite() {
+            return None;
+        }
+        for (row, value) in a.iter_mut().zip(&mut b).skip(column + 1) {
+            let factor = row.get(column)? / head;
+            for (cell, above) in row.iter_mut().zip(top) {
                 *cell -= factor * above;
             }
-            b[row] -= factor * right;
+            *value -= factor * right;
         }
     }
-    let mut x = [0.0; N];
-    for row in (0..N).rev() {
-        let known: f64 = (row + 1..N).map(|at| a[row][at] * x[at]).sum();
-        x[row] = (b[row] - known) / a[row][row];
+    let mut x = [0.0; UNKNOWNS];
+    for place in (0..UNKNOWNS).rev() {
+        let row = a.get(place)?;
+        let known: f64 = row.iter().zip(x).skip(place + 1).map(|(cell, x)| cell * x).sum();
+        *x.get_mut(place)? = (b.get(place)? - known) / row.get(place)?;
     }
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
