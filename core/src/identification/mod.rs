@@ -545,7 +545,7 @@ impl Identification {
                 let unseen = IdentificationError::NoBackEmf { rpm: self.found.speed };
                 return Err(self.last.unwrap_or(unseen));
             }
-            // The less it is, the faster the next run may be.
+            // A rotor that induces this little may turn three times as fast.
             let faint = coast::highest(&self.script.record) < FAINT * self.found.supply;
             return self.spin(if faint { 3.0 } else { 1.5 } * self.found.speed, SPIN);
         };
