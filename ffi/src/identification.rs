@@ -10,7 +10,7 @@ use narx_core::identification::{Asked, Figure, Identification, IdentificationErr
 use narx_core::master::RequestError;
 
 /// 64-bit words of an identification on any processor.
-pub const NARX_IDENTIFICATION_WORDS: usize = 1440;
+pub const NARX_IDENTIFICATION_WORDS: usize = 1512;
 
 /// The identification of one motor: memory that the caller owns. Its content is private to the library; it
 /// may be copied and moved between calls. Calls for one identification, or for its master, must not interrupt
@@ -48,6 +48,8 @@ pub struct narx_identification_config_t {
     pub pole_pairs: u8,
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     pub hold: u8,
+    /// Not 0: the hall sensors are calibrated, too, if the rotor may turn; default 0.
+    pub halls: u8,
 }
 
 /// A measured figure.
@@ -64,6 +66,9 @@ pub struct narx_figure_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct narx_identified_t {
+    /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has
+    /// rested in the same room. NAN if the drive does not broadcast it.
+    pub temperature: f64,
     /// Bus voltage without load, V.
     pub supply: f64,
     /// Largest phase current of the identification: the given one, or what the heat allows, A.
@@ -88,6 +93,14 @@ pub struct narx_identified_t {
     pub pole_pairs: u8,
     /// Not 0: the rotor has turned.
     pub turned: u8,
+    /// Not 0: the hall sensors were calibrated, and the drive keeps what follows.
+    pub calibrated: u8,
+    /// Permutation of the hall lines, 0 to 5 (parameter 262).
+    pub hall_order: u8,
+    /// Hall lines that are inverted, a bit each (parameter 263).
+    pub hall_polarity: u8,
+    /// Offset of the hall edges, electrical degrees (parameter 80).
+    pub hall_offset: f64,
 }
 
 /// Part of an identification that is under way.
@@ -102,8 +115,10 @@ pub enum narx_identification_stage_t {
     Spins = 2,
     /// Accelerates it and lets it coast: inertia and friction.
     Accelerates = 3,
+    /// Turns the rotor one electrical revolution each way: hall sensors.
+    Calibrates = 4,
     /// Stops the motor and restores the parameters.
-    Restores = 4,
+    Restores = 5,
 }
 
 /// Writes the default configuration, as a start for your own: only the pole pairs are missing.
@@ -111,12 +126,13 @@ pub enum narx_identification_stage_t {
 pub unsafe extern "C" fn narx_identification_config_default(
     config: *mut narx_identification_config_t,
 ) -> narx_status_t {
-    let Asked { pole_pairs, current, bridge, turn } = Asked::new(0);
+    let Asked { pole_pairs, current, bridge, turn, halls } = Asked::new(0);
     let plain = narx_identification_config_t {
         current: current.unwrap_or(0.0),
         bridge,
         pole_pairs,
         hold: (!turn).into(),
+        halls: halls.into(),
     };
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { pointer::write(config, plain) })
@@ -146,6 +162,7 @@ pub unsafe extern "C" fn narx_identification_init(
             current: (config.current != 0.0).then_some(config.current),
             bridge: config.bridge,
             turn: config.hold == 0,
+            halls: config.halls != 0,
         };
         let made = Identification::new(asked).map_err(|_| NARX_ERROR_ARGUMENT)?;
         handle::init(identification, size, || Ok(WithError { identification: made, error: None }))
@@ -198,6 +215,7 @@ pub unsafe extern "C" fn narx_identification_stage(
             Stage::Holds => Number::Holds,
             Stage::Spins => Number::Spins,
             Stage::Accelerates => Number::Accelerates,
+            Stage::Calibrates => Number::Calibrates,
             Stage::Restores => Number::Restores,
         };
         pointer::write(stage, number as u8)
@@ -245,7 +263,9 @@ impl From<Figure> for narx_figure_t {
 impl From<Identified> for narx_identified_t {
     fn from(found: Identified) -> Self {
         let turned = found.turned.unwrap_or_default();
+        let halls = found.halls.unwrap_or_default();
         Self {
+            temperature: found.temperature.unwrap_or(f64::NAN),
             supply: found.supply,
             current: found.current,
             resistance: found.resistance.into(),
@@ -258,6 +278,10 @@ impl From<Identified> for narx_identified_t {
             speed: turned.speed,
             pole_pairs: found.pole_pairs,
             turned: found.turned.is_some().into(),
+            calibrated: found.halls.is_some().into(),
+            hall_order: halls.order,
+            hall_polarity: halls.polarity,
+            hall_offset: halls.offset,
         }
     }
 }

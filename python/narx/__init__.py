@@ -34,7 +34,7 @@ from narx.errors import (
     SpeedWarning,
     StartError,
 )
-from narx.identification import Figure, Identified
+from narx.identification import Figure, Halls, Identified
 from narx.log import Log
 from narx.log_file import read_log
 from narx.messages import Message, NodeMessage, decode
@@ -62,6 +62,7 @@ __all__ = [
     "Fault",
     "Figure",
     "Frames",
+    "Halls",
     "Identified",
     "ImageError",
     "Info",

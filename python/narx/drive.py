@@ -359,6 +359,7 @@ class Drive:
         current: float | None = None,
         bridge: float | None = None,
         turn: bool = True,
+        halls: bool = False,
         progress: Callable[[str], None] | None = None,
     ) -> Identified:
         """Measures the motor's resistance, inductance, torque constant, inertia and friction: within some 15 s
@@ -367,17 +368,18 @@ class Drive:
         pole_pairs cannot be seen in volts and amperes. current: largest phase current, A; without it the one
         whose heat in the winding is 6 W, 6 A at most. bridge: resistance of two switches of the drive, ohm;
         without it that of narx's own board, 0.04. turn: False holds the rotor and measures resistance and
-        inductance alone. progress: called with the stage, "asking", "holding", "spinning", "accelerating",
-        "restoring".
+        inductance alone. halls: True calibrates the hall sensors, too, which takes some 5 s more; the drive keeps
+        their order, polarity and offset. progress: called with the stage, "asking", "holding", "spinning",
+        "accelerating", "calibrating", "restoring".
 
         The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
-        parameter but the scope's has its former value, also after an error or Ctrl-C. Before k is known the rotor
+        parameter but those of scope and hall sensors has its former value, also after an error or Ctrl-C. Before k is known the rotor
         turns at 50 electrical revolutions a second, or a little more; from then on at half of its nominal speed
         at most. Raises StartError for a motor that is missing, blocked or incomplete, or that the drive cannot
         turn, and for a drive that is not in Standby.
         """
         self._refuse_silence()
-        return identify(self._link, pole_pairs, current, bridge, turn, progress)
+        return identify(self._link, pole_pairs, current, bridge, turn, halls, progress)
 
     def auto_calibrate(self) -> None:
         """Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus

@@ -2,7 +2,7 @@
 
 use crate::error::{self, Given};
 use crate::master::Master;
-use narx_core::identification::{Asked, Figure, Identification as Core, IdentificationError, Turned};
+use narx_core::identification::{Asked, Figure, Halls, Identification as Core, IdentificationError, Turned};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Mutex, PoisonError};
@@ -14,12 +14,18 @@ pub(crate) struct Identification(Mutex<Core>);
 #[pymethods]
 impl Identification {
     /// current: largest phase current, A, `None` for a heat of 6 W. bridge: resistance of two switches, ohm,
-    /// `None` for that of narx's own board. turn: the rotor may turn.
+    /// `None` for that of narx's own board. turn: the rotor may turn. halls: the hall sensors are calibrated.
     #[new]
-    #[pyo3(signature = (pole_pairs, current, bridge, turn))]
-    fn new(pole_pairs: Given, current: Option<Given>, bridge: Option<Given>, turn: bool) -> PyResult<Self> {
+    #[pyo3(signature = (pole_pairs, current, bridge, turn, halls))]
+    fn new(
+        pole_pairs: Given,
+        current: Option<Given>,
+        bridge: Option<Given>,
+        turn: bool,
+        halls: bool,
+    ) -> PyResult<Self> {
         let pole_pairs = error::whole("pole_pairs", pole_pairs, "", 1, 50)?;
-        let mut asked = Asked { turn, ..Asked::new(pole_pairs) };
+        let mut asked = Asked { turn, halls, ..Asked::new(pole_pairs) };
         if let Some(current) = current {
             asked.current = Some(error::magnitude("current", current, "A")?);
         }
@@ -29,7 +35,8 @@ impl Identification {
         Core::new(asked).map(|core| Self(Mutex::new(core))).map_err(error::parameter)
     }
 
-    /// Part that is under way: "asking", "holding", "spinning", "accelerating" or "restoring".
+    /// Part that is under way: "asking", "holding", "spinning", "accelerating", "calibrating" or
+    /// "restoring".
     #[getter]
     fn stage(&self) -> &'static str {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).stage().name()
@@ -58,6 +65,7 @@ impl Identification {
         let figures = PyDict::new(py);
         let pair = |Figure { value, uncertainty }| (value, uncertainty);
         figures.set_item("pole_pairs", found.pole_pairs)?;
+        figures.set_item("temperature", found.temperature)?;
         figures.set_item("supply_voltage", found.supply)?;
         figures.set_item("current", found.current)?;
         figures.set_item("resistance", pair(found.resistance))?;
@@ -71,6 +79,9 @@ impl Identification {
             figures.set_item("static_friction", static_friction)?;
             figures.set_item("viscous_friction", viscous_friction)?;
             figures.set_item("speed", speed)?;
+        }
+        if let Some(Halls { order, polarity, offset }) = found.halls {
+            figures.set_item("halls", (order, polarity, offset))?;
         }
         Ok(Some(figures))
     }

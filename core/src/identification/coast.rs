@@ -84,6 +84,12 @@ impl Coast {
         (flux * pole_pairs / FRAC_PI_3, error * pole_pairs / FRAC_PI_3)
     }
 
+    /// What this one and a later one have told, each by its more certain part.
+    pub(super) fn with(self, later: Self) -> Self {
+        let flux = if later.flux.1 < self.flux.1 { later.flux } else { self.flux };
+        if later.error < self.error { Self { flux, ..later } } else { Self { flux, ..self } }
+    }
+
     /// Of a record of the three terminals from the stop on; `None` if fewer than four thirds were seen.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let thirds = thirds(record);

@@ -14,13 +14,15 @@ pub struct Asked {
     pub bridge: f64,
     /// The motor may turn. If not, resistance and inductance alone are measured.
     pub turn: bool,
+    /// The motor has hall sensors: they are calibrated, too, if it may turn.
+    pub halls: bool,
 }
 
 impl Asked {
     /// A motor with these pole pairs on the bridge of the simulated board.
     pub fn new(pole_pairs: u8) -> Self {
         let bridge = f64::from(Board::BENCH.bridge_milliohm) / 1e3;
-        Self { pole_pairs, current: None, bridge, turn: true }
+        Self { pole_pairs, current: None, bridge, turn: true, halls: false }
     }
 }
 
@@ -38,6 +40,9 @@ pub struct Figure {
 pub struct Identified {
     /// Pole pairs, as given.
     pub pole_pairs: u8,
+    /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor which has
+    /// rested in the same room. `None` if the drive does not broadcast it.
+    pub temperature: Option<f64>,
     /// Bus voltage without load, V.
     pub supply: f64,
     /// Largest phase current of the identification: the given one, or what the heat allows, A.
@@ -48,6 +53,19 @@ pub struct Identified {
     pub inductance: Figure,
     /// Figures of a rotor that has turned; `None` if it was held.
     pub turned: Option<Turned>,
+    /// How the hall sensors are wired; `None` if they were not asked for. The drive keeps this.
+    pub halls: Option<Halls>,
+}
+
+/// Wiring of the hall sensors, in the terms of the drive's parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Halls {
+    /// Order of the lines (parameter 262).
+    pub order: u8,
+    /// Lines that are inverted (parameter 263).
+    pub polarity: u8,
+    /// Offset of the edges, electrical degrees (parameter 80).
+    pub offset: f64,
 }
 
 /// Figures that a rotor shows when it turns.
@@ -94,18 +112,21 @@ pub enum Stage {
     Spins,
     /// Accelerates it and lets it coast: inertia and friction.
     Accelerates,
+    /// Turns the rotor one electrical revolution each way: hall sensors.
+    Calibrates,
     /// Stops the motor and restores the parameters.
     Restores,
 }
 
 impl Stage {
-    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `restoring`.
+    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `calibrating`, `restoring`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Asks => "asking",
             Self::Holds => "holding",
             Self::Spins => "spinning",
             Self::Accelerates => "accelerating",
+            Self::Calibrates => "calibrating",
             Self::Restores => "restoring",
         }
     }

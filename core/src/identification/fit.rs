@@ -3,7 +3,7 @@
 use libm::{fabs, sqrt};
 
 /// Most unknowns of a fit.
-pub(super) const UNKNOWNS: usize = 5;
+pub(super) const UNKNOWNS: usize = 6;
 
 /// Sums of a linear fit.
 #[derive(Clone, Copy, Debug, Default)]

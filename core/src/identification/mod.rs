@@ -8,14 +8,16 @@
 //!  hold        direct current in two phases at rising levels, each let go   -> R, L       (winding)
 //!  spin, coast closed loop without sensors, then the bridge off             -> k          (coast)
 //!  accelerate  a ramp of the speed, twice, with a coast between             -> J, friction (acceleration)
+//!  calibrate   the drive's own service, where there are hall sensors        -> their wiring
 //! ```
 //!
 //! Each step is commissioned from what the ones before have measured. At the end, and after an error, the
-//! motor stands and the drive has the parameters that it had, but for the scope's.
+//! motor stands and the drive has the parameters that it had, but for the scope's and the hall sensors'.
 //!
 //! Pole pairs cannot be seen in volts and amperes: they have to be given.
 
 mod acceleration;
+mod channel;
 mod coast;
 mod error;
 mod figures;
@@ -25,7 +27,7 @@ mod script;
 mod winding;
 
 pub use error::IdentificationError;
-pub use figures::{Asked, Figure, Identified, Stage, Turned};
+pub use figures::{Asked, Figure, Halls, Identified, Stage, Turned};
 
 use crate::commissioning::{self, Commissioning, CommissioningError, Mode, Motor, Nameplate};
 use crate::dictionary::{engineering, number};
@@ -33,7 +35,8 @@ use crate::master::{JobError, Master, RequestError};
 use crate::motor::Board;
 use crate::motor::guard::fault::Cause;
 use crate::motor::signal::Signal;
-use acceleration::{Channel, Driven, driven};
+use acceleration::{Balance, Driven};
+use channel::Channel;
 use coast::Coast;
 use core::f64::consts::TAU;
 use heapless::Vec;
@@ -73,6 +76,8 @@ struct Found {
     room: u16,
     /// Of the PWM, s.
     period: f64,
+    /// Ambient temperature, degrees Celsius.
+    temperature: Option<f64>,
     /// V.
     supply: f64,
     /// Voltage of the bus at which the drive trips, V.
@@ -83,12 +88,17 @@ struct Found {
     coast: Option<Coast>,
     /// N m/A, with its standard error.
     torque_constant: (f64, f64),
+    /// Equations of the acceleration under way, and what the ones before have told.
+    balance: Option<Balance>,
     driven: Option<Driven>,
+    halls: Option<Halls>,
     channel: Channel,
     /// Set-point of the last run, rpm.
     speed: f64,
 }
 
+/// Name of the drive's measurement of the ambient temperature (Figure 14).
+const AMBIENT: &str = "Ambient Temperature";
 /// Heat in the winding at the largest current where none is given, W.
 const HEAT: f64 = 6.0;
 /// Largest current of the drive (Table 2), A.
@@ -99,11 +109,14 @@ const LEAST: f64 = *commissioning::SUPPLY.start();
 const STRONG: f64 = 0.85;
 /// The bus stays this much below the voltage at which the drive trips, V.
 const BELOW_TRIP: f64 = 0.3;
+/// The strongest level is held again while the charge that shows L is less sure than this.
+const DOUBT: f64 = 0.06;
 /// Duty of the first level, and the largest.
 const FIRST_DUTY: f64 = 0.01;
 const LARGEST_DUTY: f64 = 0.6;
-/// A rotor that is held has come to rest after this time, microseconds.
-const REST: u64 = 350_000;
+/// A rotor that is held has come to rest after this time, microseconds: the first time, and where it already
+/// lies in the field.
+const REST: [u64; 2] = [350_000, 120_000];
 /// Time for the last of a record, and for its answer, microseconds.
 const MARGIN: u64 = 20_000;
 /// Longest wait for a record, microseconds.
@@ -121,12 +134,11 @@ const SPINS: u8 = 6;
 
 /// Rows of a lock's record after the stop.
 const AFTER: u16 = 200;
-/// Samples of a third at the speed of the stop.
-const COAST_SAMPLES: f64 = 16.0;
+/// Samples of a third at the speed of the stop: many show the back-EMF, few show a longer part of the coast.
+const MANY_SAMPLES: f64 = 16.0;
+const FEW_SAMPLES: f64 = 7.0;
 /// Longest wait for a speed, microseconds.
-const SPIN: u64 = 4_000_000;
-/// A light rotor has slowed down after this time, microseconds.
-const DOWN: u64 = 200_000;
+const SPIN: u64 = 1_500_000;
 /// Share by which the bridge's resistance may be off.
 const BRIDGE: f64 = 0.25;
 
@@ -272,7 +284,7 @@ impl Identification {
             return self.finish(master, Err(error));
         }
         self.failed += 1;
-        (self.round, self.found.driven) = (0, None);
+        (self.round, self.found.balance, self.found.driven) = (0, None, None);
         self.script.give_up(master);
     }
 
@@ -306,6 +318,10 @@ impl Identification {
                 if self.found.room < 1024 || self.found.period <= 0.0 {
                     return Err(IdentificationError::NoScope { room: self.found.room });
                 }
+                let temperature = master.measurements().find(AMBIENT);
+                self.found.temperature = temperature
+                    .and_then(|seen| seen.value.rescaled(-3))
+                    .map(|thousandths| thousandths as f64 / 1e3);
                 self.stage = Stage::Holds;
                 self.prepare_holds()?;
                 self.hold(FIRST_DUTY)
@@ -313,7 +329,24 @@ impl Identification {
             Stage::Holds => self.held(master),
             Stage::Spins => self.spun(master),
             Stage::Accelerates => self.accelerated(master),
+            Stage::Calibrates => {
+                let [order, polarity, offset] = self.script.answers();
+                self.found.halls = Some(Halls {
+                    order: order as u8,
+                    polarity: polarity as u8,
+                    offset: f64::from(offset) / 100.0,
+                });
+                self.conclude(master);
+                Ok(())
+            }
             Stage::Restores => Ok(()),
+        }
+    }
+
+    /// Everything that was asked for is found.
+    fn conclude(&mut self, master: &mut Master) {
+        if let Some(winding) = self.found.winding {
+            self.finish(master, Ok(self.identified(&winding)));
         }
     }
 
@@ -345,11 +378,12 @@ impl Identification {
 
     /// Rows of a lock's record from before the stop.
     fn held_rows(&self) -> u16 {
-        (self.found.room / 3).min(1200) - AFTER
+        (self.found.room / 3).min(800) - AFTER
     }
 
     /// Holds the rotor at a level, records it, and lets it go.
     fn hold(&mut self, duty: f64) -> Result<(), IdentificationError> {
+        let rest = REST[usize::from(self.level > 0.0)];
         self.level = duty;
         self.set(number::LOCK_DUTY, 100.0 * duty)?;
         self.set(number::OPEN_LOOP_DUTY, 100.0 * duty)?;
@@ -357,7 +391,7 @@ impl Identification {
         let filled = (f64::from(before) * self.found.period * 1e6) as u64 + MARGIN;
         self.script.add([
             Action::Start(0),
-            Action::Wait(REST),
+            Action::Wait(rest),
             Action::arm(&HELD, before + AFTER, 1, before),
             Action::Wait(filled),
             Action::Stop,
@@ -389,17 +423,20 @@ impl Identification {
         let rise = fmax(square(lock.raised) - square(lock.voltage), square(0.02) * lock.voltage);
         let left = fmax(square(self.found.bus_max - BELOW_TRIP) - square(lock.voltage), 0.0);
         let heat = if self.asked.current.is_none() { HEAT / power } else { f64::INFINITY };
-        let room = STRONG * fmin(limit / phase, sqrt(fmin(heat, left / rise)));
+        let room = fmin(limit / phase, sqrt(fmin(heat, left / rise)));
         if self.locks.push(lock).is_err() {
             return Err(IdentificationError::Unsteady(self.stage));
         }
         let duty = lock.level;
-        let next = level(duty * fmin(room, 3.0));
+        let next = level(duty * fmin(STRONG * room, 3.0), 0.95 * duty * room);
         if next > 1.15 * duty {
             return self.hold(next);
         }
         if self.locks.len() < 3 {
-            return self.hold(level(0.6 * duty));
+            return self.hold(level(0.6 * duty, 0.0));
+        }
+        if winding::doubt(&self.locks) > DOUBT && !self.locks.is_full() {
+            return self.hold(duty);
         }
         self.winding(master, fmin(limit, phase / STRONG))
     }
@@ -409,12 +446,12 @@ impl Identification {
         if self.level >= 0.99 * LARGEST_DUTY {
             return Err(IdentificationError::NoMotor { duty: self.level });
         }
-        self.hold(level(2.0 * self.level))
+        self.hold(level(2.0 * self.level, 0.0))
     }
 
     /// R and L are there.
     fn winding(&mut self, master: &mut Master, current: f64) -> Result<(), IdentificationError> {
-        self.found.channel = winding::channel(&mut self.locks);
+        self.found.channel = Channel::of(&mut self.locks);
         let locks = &self.locks;
         let (low, high) = locks
             .iter()
@@ -429,7 +466,7 @@ impl Identification {
         }
         (self.found.winding, self.found.current) = (Some(winding), current);
         if !self.asked.turn {
-            self.finish(master, Ok(self.identified(&winding)));
+            self.conclude(master);
             return Ok(());
         }
         self.stage = Stage::Spins;
@@ -459,7 +496,7 @@ impl Identification {
     }
 
     /// Commissions the drive for the motor as it is known, and writes its parameters.
-    fn commission(&mut self) -> Result<Commissioning, IdentificationError> {
+    fn commission(&mut self, mode: Mode) -> Result<Commissioning, IdentificationError> {
         let rate = round(1.0 / self.found.period) as u32;
         let board = Board::BENCH.at_rate(rate).ok_or(IdentificationError::Rate(rate))?;
         let unknown = self.found.torque_constant.0 <= 0.0;
@@ -474,7 +511,7 @@ impl Identification {
             },
             open_loop_speed: None,
         };
-        let mut commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+        let mut commissioning = plate.commission_on(&board, mode, None);
         for _ in 0..GUESSES {
             if matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
                 if unknown {
@@ -484,7 +521,7 @@ impl Identification {
                     // It turns faster with less torque.
                     plate.rated_current = plate.rated_current.map(|current| current / 2.0);
                 }
-                commissioning = plate.commission_on(&board, Mode::Sensorless, None);
+                commissioning = plate.commission_on(&board, mode, None);
             }
         }
         let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;
@@ -511,26 +548,27 @@ impl Identification {
 
     /// Turns the rotor at a speed, rpm, and records its terminals after the stop.
     fn spin(&mut self, rpm: f64, wait: u64) -> Result<(), IdentificationError> {
-        let commissioning = self.commission()?;
+        let commissioning = self.commission(Mode::Sensorless)?;
         let rpm = round(fmin(fmax(rpm, commissioning.speed_min), commissioning.speed_max));
         self.found.speed = rpm;
         self.script.add([Action::Start(rpm as i32), Action::Settle { rpm, within: wait }]);
-        self.coast();
+        self.coast(MANY_SAMPLES);
         Ok(())
     }
 
     /// The bridge goes off: records the terminals of the coasting rotor.
-    fn coast(&mut self) {
+    fn coast(&mut self, samples: f64) {
         let third = 20.0 / (self.found.speed * f64::from(self.asked.pole_pairs));
-        let prescaler = fmax(1.0, libm::floor(third / (COAST_SAMPLES * self.found.period))) as u16;
-        let rows = self.found.room / 3;
+        let prescaler = fmax(1.0, libm::floor(third / (samples * self.found.period))) as u16;
+        // The first one only shows how fast the motor may turn.
+        let is_first = self.stage == Stage::Spins && self.round == 0;
+        let rows = self.found.room / if is_first { 9 } else { 3 };
         self.script.add([
             Action::arm(&TERMINALS, rows, prescaler, 0),
             Action::Wait(MARGIN),
             Action::Stop,
             Action::AwaitRecord,
             Action::Download(u32::from(rows) * 3),
-            Action::Wait(DOWN),
         ]);
         self.script.record.begin(&TERMINALS, f64::from(prescaler) * self.found.period);
     }
@@ -569,7 +607,7 @@ impl Identification {
 
     /// A step of the speed up to `rpm`, recorded; then a coasting rotor, recorded.
     fn accelerate(&mut self, rpm: f64) -> Result<(), IdentificationError> {
-        let commissioning = self.commission()?;
+        let commissioning = self.commission(Mode::Sensorless)?;
         let fast = round(fmin(rpm, commissioning.speed_max));
         let slow = round(fmax(fast / 3.0, commissioning.speed_min));
         if slow >= 0.8 * fast {
@@ -595,53 +633,59 @@ impl Identification {
         Ok(())
     }
 
-    /// The acceleration is recorded: the inertia, and once more with gains that fit it.
+    /// The acceleration is recorded, then the coasting rotor: inertia and friction. Then a second acceleration,
+    /// with gains that fit them.
     fn accelerated(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
-        self.round += 1;
-        let poles = f64::from(self.asked.pole_pairs);
-        let Found { winding: Some(winding), coast: Some(coast), period, .. } = self.found else {
-            return Err(IdentificationError::Unsteady(self.stage));
+        let unsteady = IdentificationError::Unsteady(self.stage);
+        let Found { winding: Some(winding), coast: Some(coast), channel, period, .. } = self.found else {
+            return Err(unsteady);
         };
-        match self.round {
-            1 => self.accelerate(self.found.speed),
-            2 | 4 => {
-                let rising = driven(&self.script.record, &winding, &coast, self.found.channel, poles, period)
-                    .ok_or(IdentificationError::Unsteady(self.stage))?;
-                // Two ways to the same constant: what was recorded fits a motor if they agree.
-                self.found.driven = Some(match self.found.driven {
-                    Some(before) => before.mean(rising),
-                    None => rising,
-                });
-                if !self.agrees(self.found.torque_constant.0) {
-                    return Err(IdentificationError::Unsteady(self.stage));
-                }
-                if self.round == 4 {
-                    self.finish(master, Ok(self.identified(&winding)));
-                } else {
-                    self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
-                    self.coast();
-                }
-                Ok(())
-            }
-            _ => {
-                // A record that shows too little of the rotor leaves what the one before has shown.
-                if let Some(coast) = Coast::of(&self.script.record)
-                    && self.agrees(coast.torque_constant(poles).0)
-                    && coast.torque_constant(poles).1 < self.found.torque_constant.1
-                {
-                    (self.found.coast, self.found.torque_constant) =
-                        (Some(coast), coast.torque_constant(poles));
-                }
-                self.accelerate(self.found.speed)
-            }
+        self.round += 1;
+        if self.round == 1 {
+            return self.accelerate(self.found.speed);
         }
+        let record = &self.script.record;
+        if let Some(balance) = self.found.balance.take() {
+            let coast = Coast::of(record)
+                .filter(|seen| self.agrees(seen, &balance))
+                .map_or(coast, |seen| coast.with(seen));
+            self.found.coast = Some(coast);
+            self.found.torque_constant = coast.torque_constant(self.asked.pole_pairs.into());
+            self.found.driven = Some(balance.solve(&coast).ok_or(unsteady)?);
+            return self.accelerate(self.found.speed);
+        }
+        let balance = Balance::of(record, &winding, &coast, channel, self.asked.pole_pairs.into(), period)
+            .ok_or(unsteady)?;
+        if !self.agrees(&coast, &balance) {
+            return Err(unsteady);
+        }
+        let Some(before) = self.found.driven else {
+            self.found.balance = Some(balance);
+            self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
+            self.coast(FEW_SAMPLES);
+            return Ok(());
+        };
+        self.found.driven = Some(before.mean(balance.solve(&coast).ok_or(unsteady)?));
+        if !self.asked.halls {
+            self.conclude(master);
+            return Ok(());
+        }
+        self.stage = Stage::Calibrates;
+        self.script.add([Action::Stop]);
+        self.commission(Mode::Hall)?;
+        self.script.add([
+            Action::CalibrateHall,
+            Action::Read(number::HALL_ORDER),
+            Action::Read(number::HALL_POLARITY),
+            Action::Read(number::HALL_OFFSET_ANGLE),
+        ]);
+        Ok(())
     }
 
-    /// This torque constant agrees with the back-EMF of the driven motor.
-    fn agrees(&self, torque_constant: f64) -> bool {
-        self.found
-            .driven
-            .is_some_and(|seen| fabs(torque_constant - seen.torque_constant) <= AGREES * seen.torque_constant)
+    /// Two ways to the same constant: what was recorded fits a motor if they agree.
+    fn agrees(&self, coast: &Coast, balance: &Balance) -> bool {
+        let (constant, _) = coast.torque_constant(self.asked.pole_pairs.into());
+        fabs(constant - balance.torque_constant) <= AGREES * balance.torque_constant
     }
 
     /// The result, from everything that was found.
@@ -650,6 +694,7 @@ impl Identification {
         let resistance = winding.resistance - self.asked.bridge;
         Identified {
             pole_pairs: self.asked.pole_pairs,
+            temperature: self.found.temperature,
             supply,
             current,
             resistance: Figure {
@@ -658,9 +703,11 @@ impl Identification {
             },
             inductance: Figure {
                 value: winding.inductance,
-                uncertainty: (0.09 + winding.spread.1) * winding.inductance,
+                uncertainty: (0.05 + winding.spread.1 + 2.0 * winding::doubt(&self.locks))
+                    * winding.inductance,
             },
             turned: self.turned(),
+            halls: self.found.halls,
         }
     }
 
@@ -681,9 +728,14 @@ impl Identification {
     }
 }
 
-/// The largest level up to this duty at which it is known when the drive reads the current.
-fn level(duty: f64) -> f64 {
-    if (OFF_TIME..ON_TIME).contains(&duty) { OFF_TIME } else { fmin(duty, LARGEST_DUTY) }
+/// A level of about this duty, and of no more than `most`, at which it is known when the drive reads the
+/// current.
+fn level(duty: f64, most: f64) -> f64 {
+    match duty {
+        duty if !(OFF_TIME..ON_TIME).contains(&duty) => fmin(duty, LARGEST_DUTY),
+        _ if most >= ON_TIME => ON_TIME,
+        _ => OFF_TIME,
+    }
 }
 
 fn is_open_phase(error: &JobError) -> bool {

@@ -25,6 +25,8 @@ pub(super) enum Action {
     Start(i32),
     /// Sets another speed, rpm.
     Speed(u16),
+    /// Calibrates the hall sensors.
+    CalibrateHall,
     /// Waits until the motor turns at this speed.
     Settle { rpm: f64, within: u64 },
     /// Requests Standby and waits for it.
@@ -104,12 +106,18 @@ impl Script {
         }
     }
 
-    /// Drops everything: the motor stops, and a fault is acknowledged.
+    /// Drops everything: the motor stops, a fault is acknowledged, and the rotor comes to rest.
     pub(super) fn give_up(&mut self, master: &mut Master) {
+        self.stop(master);
+        self.add([Action::Wait(REST_AFTER_FAULT)]);
+    }
+
+    /// Drops everything, and stops the motor.
+    fn stop(&mut self, master: &mut Master) {
         self.drop_all(master);
         // At once, even if an answer is still waited for.
         master.stop();
-        self.add([Action::Stop, Action::Wait(REST_AFTER_FAULT)]);
+        self.add([Action::Stop]);
     }
 
     /// Drops everything, also the action under way.
@@ -139,7 +147,7 @@ impl Script {
 
     /// Everything else is dropped: the motor stops, and every parameter gets its value back.
     pub(super) fn restore(&mut self, master: &mut Master) {
-        self.give_up(master);
+        self.stop(master);
         // The last one first: what was written first holds.
         while let Some((number, raw)) = self.originals.pop() {
             let _ = self.actions.push_back(Action::Write(number, raw));
@@ -181,6 +189,7 @@ impl Script {
                 }
             }
             Action::Start(rpm) => master.begin(Job::Start { rpm }),
+            Action::CalibrateHall => master.begin(Job::CalibrateHall),
             Action::Speed(rpm) => {
                 master.set_speed(rpm);
                 Ok(())
@@ -216,7 +225,7 @@ impl Script {
                 has_no_fault(master)?;
                 Ok(waited >= time)
             }
-            Action::Start(_) => match master.poll_job() {
+            Action::Start(_) | Action::CalibrateHall => match master.poll_job() {
                 Some(end) => end.map(|()| true).map_err(IdentificationError::Job),
                 None => Ok(false),
             },

@@ -11,7 +11,6 @@
 //! current returns to the bus through two diodes. The charge that comes back gives L: it needs no fast
 //! measurement, because a filter keeps it.
 
-use super::acceleration::Channel;
 use super::record::Record;
 use heapless::Vec;
 use libm::{exp, fabs, fmax, fmin, log};
@@ -39,8 +38,10 @@ pub(super) struct Lock {
     pub(super) current: f64,
     /// Bus voltage after the charge has returned, V.
     pub(super) raised: f64,
-    /// Charge that returned after the last reading of a pulse, A times the period.
+    /// Charge that returned after the last reading of a pulse, A times the period, and the number of readings
+    /// that it is the sum of.
     charge: f64,
+    readings: f64,
     /// Reading of the current channel without a current, A.
     pub(super) zero: f64,
     /// Standard deviation of one reading of the current, A.
@@ -84,15 +85,26 @@ impl Lock {
         let off = rows().take(before + 4).position(|[_, duty, _]| duty == 0.0)?;
         let raised =
             rows().skip(off + 2).take(RAISED).map(|[voltage, ..]| voltage).sum::<f64>() / RAISED as f64;
-        let mut charge = 0.0;
+        let (mut charge, mut readings) = (0.0, 0.0);
         for (at, [_, _, current]) in rows().enumerate().skip(off + 1) {
             let (returned, first) = (zero - current, at == off + 1);
             if returned < CLEAR * noise && !first {
                 break;
             }
+            readings += 1.0;
             charge += returned * if first && level <= OFF_TIME { 1.0 - duty / 2.0 } else { 1.0 };
         }
-        Some(Self { level, duty, voltage, current: held_current - zero, zero, raised, charge, noise })
+        Some(Self {
+            level,
+            duty,
+            voltage,
+            current: held_current - zero,
+            zero,
+            raised,
+            charge,
+            readings,
+            noise,
+        })
     }
 }
 
@@ -100,9 +112,6 @@ impl Lock {
 const DEAD_TIME: f64 = 1e-3;
 /// Rows at the end of a record in which nothing flows.
 const TAIL: usize = 160;
-/// A zero this far from the others, in standard deviations of one reading, is none: those of two levels
-/// differ by a tenth.
-const ASTRAY: f64 = 0.25;
 /// Rows after the stop that show how far the bus has risen.
 const RAISED: usize = 8;
 /// A current that is less than this many standard deviations of a reading is none.
@@ -146,22 +155,6 @@ impl Pulses {
     }
 }
 
-/// The current channel as all levels show it. A drive that looks for its zero while the bridge is off may
-/// take some of the returning current for an offset: that level's reading after the stop is off by several
-/// mA, and the median takes its place.
-pub(super) fn channel(locks: &mut [Lock]) -> Channel {
-    let noise = locks.iter().map(|lock| lock.noise).fold(f64::MAX, fmin);
-    let zeros = || locks.iter().map(|lock| lock.zero);
-    let below = |zero: f64| zeros().filter(|other| *other < zero).count();
-    let median = zeros().min_by_key(|zero| below(*zero).abs_diff(locks.len() / 2)).unwrap_or(0.0);
-    for lock in locks.iter_mut().filter(|lock| fabs(lock.zero - median) > ASTRAY * noise) {
-        lock.current += lock.zero - median;
-        lock.zero = median;
-    }
-    let zero = locks.iter().map(|lock| lock.zero).sum::<f64>() / locks.len() as f64;
-    Channel { zero, noise }
-}
-
 /// R and L of several levels; `None` where they fit no winding. period: of the PWM, s.
 pub(super) fn solve(locks: &[Lock], period: f64) -> Option<Winding> {
     let strongest = locks.iter().map(|lock| lock.current * lock.voltage).fold(0.0, fmax);
@@ -186,6 +179,20 @@ pub(super) fn solve(locks: &[Lock], period: f64) -> Option<Winding> {
         }
     }
     Some(Winding { spread, ..winding })
+}
+
+/// Levels that are strong enough to show L.
+fn strong(locks: &[Lock]) -> impl Iterator<Item = &Lock> {
+    let strongest = locks.iter().map(|lock| lock.current * lock.voltage).fold(0.0, fmax);
+    locks.iter().filter(move |lock| lock.current * lock.voltage > 0.4 * strongest)
+}
+
+/// Standard deviation of the charge that shows L, as a share of it: each reading has its noise.
+pub(super) fn doubt(locks: &[Lock]) -> f64 {
+    let (charge, square) = strong(locks).fold((0.0, 0.0), |(charge, square), lock| {
+        (charge + lock.charge, square + lock.readings * lock.noise * lock.noise)
+    });
+    libm::sqrt(square) / charge
 }
 
 /// R and the lost duty that fit the currents best, for pulses of this `length` (T / tau).
@@ -220,11 +227,10 @@ fn resistance(locks: &[Lock], length: f64) -> Option<(f64, f64)> {
 
 /// L whose energy returns the charge that was seen at the stronger levels.
 fn inductance(locks: &[Lock], winding: &Winding, period: f64) -> Option<f64> {
-    let strongest = locks.iter().map(|lock| lock.current * lock.voltage).fold(0.0, fmax);
-    let strong = || locks.iter().filter(|lock| lock.current * lock.voltage > 0.4 * strongest);
-    let seen: f64 = strong().map(|lock| lock.charge * period).sum();
-    let returned =
-        |inductance: f64| -> f64 { strong().map(|lock| charge(lock, winding, inductance, period)).sum() };
+    let seen: f64 = strong(locks).map(|lock| lock.charge * period).sum();
+    let returned = |inductance: f64| -> f64 {
+        strong(locks).map(|lock| charge(lock, winding, inductance, period)).sum()
+    };
     let (mut low, mut high) = (1e-7, 1.0);
     if seen <= returned(low) || seen >= returned(high) {
         return None;

@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Number of random motors
     #[arg(long, default_value_t = 1_000)]
     pub motors: u64,
+    /// Seed of the first one
+    #[arg(long, default_value_t = 0)]
+    pub first: u64,
     /// Run one random motor again, by its seed
     #[arg(long)]
     pub case: Option<u64>,
@@ -37,6 +40,9 @@ pub struct Arguments {
 const BOOTED: f64 = 1.2;
 /// Longest identification, s of simulated time.
 const LONGEST: f64 = 60.0;
+
+/// Stages that take most of the time.
+const STAGES: [Stage; 3] = [Stage::Holds, Stage::Spins, Stage::Accelerates];
 
 /// Share of the rated torque that the friction may be off, where its limit is less.
 const OF_RATED_TORQUE: f64 = 1e-3;
@@ -59,7 +65,7 @@ pub fn command(arguments: &Arguments) -> ExitCode {
         }
         let seeds: Vec<u64> = match arguments.case {
             Some(seed) => vec![seed],
-            None => (0..arguments.motors).collect(),
+            None => (arguments.first..arguments.first + arguments.motors).collect(),
         };
         let drawn = map(&seeds, |seed| motor::random(board, *seed).map(|subject| (*seed, subject)));
         let mut subjects: Vec<(u64, Subject)> = Vec::new();
@@ -94,6 +100,8 @@ struct Trial {
     temperatures: [f64; 2],
     /// s.
     time: f64,
+    /// Time of each of [`STAGES`], s.
+    stages: [f64; 3],
     /// Largest phase current, A.
     peak: f64,
 }
@@ -129,6 +137,7 @@ impl Trial {
         let mut master = Master::new(Config::default());
         let mut identification = Identification::new(Asked::new(motor.pole_pairs)).expect("a pole pair");
         let (mut outcome, mut held, mut peak) = (None, None, 0.0_f64);
+        let mut stages = [0.0; STAGES.len()];
         while outcome.is_none() && bench.time() < BOOTED + LONGEST {
             let now = bench.now_ns() / 1000;
             if bench.time() > BOOTED {
@@ -140,8 +149,12 @@ impl Trial {
             while let Some(frame) = master.poll_frame(now) {
                 bench.send(frame).expect("a bus without errors");
             }
+            let stage = STAGES.iter().position(|stage| *stage == identification.stage());
             for _ in 0..5 {
                 bench.step();
+                if let Some(stage) = stage {
+                    stages[stage] += 1.0 / f64::from(board.tick_rate);
+                }
                 peak = peak.max(bench.plant().peak_current());
             }
             while let Some(received) = bench.receive() {
@@ -157,6 +170,7 @@ impl Trial {
             outcome,
             temperatures: [held.unwrap_or(end), end],
             time: bench.time() - BOOTED,
+            stages,
             peak,
         }
     }
@@ -211,7 +225,15 @@ fn summarise(name: &str, trials: &[Trial]) {
             spread(&mut sorted, "")
         );
     }
-    println!("time: {}", spread(&mut trials.iter().map(|trial| trial.time).collect::<Vec<f64>>(), " s"));
+    let time = |of: &dyn Fn(&Trial) -> f64| spread(&mut trials.iter().map(of).collect::<Vec<f64>>(), " s");
+    println!("time: {}", time(&|trial| trial.time));
+    for (place, stage) in STAGES.iter().enumerate() {
+        println!("{}: {}", stage.name(), time(&|trial| trial.stages[place]));
+    }
+    println!(
+        "peak current: {}",
+        spread(&mut trials.iter().map(|trial| trial.peak).collect::<Vec<f64>>(), " A")
+    );
 }
 
 /// Median, 95th percentile and maximum.

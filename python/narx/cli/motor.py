@@ -69,6 +69,7 @@ def identify(
     current: Annotated[float | None, typer.Option(help="Largest phase current, A.")] = None,
     bridge: Annotated[float | None, typer.Option(help="Resistance of two switches of the drive, ohm.")] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Do not turn: resistance and inductance alone.")] = False,
+    halls: Annotated[bool, typer.Option("--halls", help="Calibrate the hall sensors, too.")] = False,
     to: Annotated[Path | None, typer.Option("--to", help="File for the figures (.toml), for `narx commission` and `--motor`.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
     as_json: Annotated[bool, JSON] = False,
@@ -77,7 +78,7 @@ def identify(
     if not yes:
         typer.confirm("The motor will be held." if hold else "The motor will turn. Is its shaft free?", abort=True)
     with connected() as drive:
-        found = drive.identify(pole_pairs, current, bridge, not hold, None if as_json else lambda stage: err.print(f"{stage} ..."))
+        found = drive.identify(pole_pairs, current, bridge, not hold, halls, None if as_json else lambda stage: err.print(f"{stage} ..."))
         if to is not None:
             found.save(to)
         print(json.dumps(asdict(found)) if as_json else found, flush=True)

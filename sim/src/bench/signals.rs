@@ -1,15 +1,13 @@
 //! Trace of a bench: its signals, tick by tick.
 
 use super::Bench;
-use crate::plant::{Observation, Plant, ShaftState};
+use crate::plant::Observation;
 use crate::trace::{Column, Precision, Signal, Trace};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::cell::OnceCell;
 use core::mem;
 use core::num::NonZeroU32;
 use narx_core::dictionary::number;
-use narx_core::motor::Drive;
 use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
@@ -18,41 +16,49 @@ const DEGREES: f64 = 360.0 / 65_536.0;
 
 /// Number of signals.
 const COUNT: usize = 28;
-/// Computes a signal's value.
-type Value = fn(&Tick<'_>) -> f64;
 
-/// Signals of a bench's trace, and how each is computed: the fixed columns of `run.csv` first.
-const TABLE: [(Signal, Value); COUNT] = [
-    (Signal::double("time", "s"), |tick| tick.plant.time()),
-    (Signal::single("setpoint", "rpm"), |tick| tick.bench.rpm(tick.bench.status().setpoint)),
-    (Signal::single("speed", "rpm"), |tick| tick.shaft().speed * 60.0 / core::f64::consts::TAU),
-    (Signal::single("speed_estimated", "rpm"), |tick| tick.bench.rpm(tick.bench.estimated())),
-    (Signal::single("state", ""), |tick| f64::from(tick.drive().state() as u8)),
-    (Signal::single("sector", ""), |tick| {
-        f64::from(sector_of(ElectricalAngle((tick.turn() * 65_536.0) as u16)))
-    }),
-    (Signal::single("duty", ""), |tick| f64::from(tick.bench.command.duty.to_bits()) / 32_768.0),
-    (Signal::single("current_a", "A"), |tick| tick.plant.current()[0]),
-    (Signal::single("current_b", "A"), |tick| tick.plant.current()[1]),
-    (Signal::single("current_c", "A"), |tick| tick.plant.current()[2]),
-    (Signal::single("bus_current", "A"), |tick| tick.plant.bus_current()),
-    (Signal::single("bus_voltage", "V"), |tick| tick.plant.bus_voltage()),
-    (Signal::single("torque", "N m"), |tick| tick.plant.torque()),
-    (Signal::single("voltage_a", "V"), |tick| tick.seen().terminal[0]),
-    (Signal::single("voltage_b", "V"), |tick| tick.seen().terminal[1]),
-    (Signal::single("voltage_c", "V"), |tick| tick.seen().terminal[2]),
-    (Signal::single("angle", "deg"), |tick| tick.turn() * 360.0),
-    (Signal::single("hall", ""), |tick| f64::from(tick.bench.hall)),
-    (Signal::single("step", ""), |tick| f64::from(tick.bench.command.step as u8)),
-    (Signal::single("limiter", ""), |tick| f64::from(tick.drive().limiter() as u8)),
-    (Signal::double("faults", ""), |tick| f64::from(tick.bench.status().faults.bits())),
-    (Signal::double("position", "rad"), |tick| tick.seen().angle),
-    (Signal::double("energy_in", "J"), |tick| tick.seen().ledger.source),
-    (Signal::double("energy_shaft", "J"), |tick| tick.seen().ledger.shaft),
-    (Signal::single("winding_temperature", "degC"), |tick| tick.plant.winding_temperature()),
-    (Signal::single("peak_current", "A"), |tick| tick.plant.peak_current()),
-    (Signal::single("crossing", ""), |tick| f64::from(tick.drive().crossing().0 as u8)),
-    (Signal::single("crossing_margin", "deg"), |tick| f64::from(tick.drive().crossing().1) * DEGREES),
+/// Where a signal's value comes from, by rising cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Source {
+    /// The bench and its plant have it.
+    AtHand,
+    /// The shaft's exact speed and angle, [`Plant::shaft`](crate::plant::Plant::shaft).
+    Shaft,
+    /// All that a plant can tell, [`Plant::observe`](crate::plant::Plant::observe).
+    Observed,
+}
+use Source::{AtHand, Observed, Shaft};
+
+/// Signals of a bench's trace, and where each comes from: the fixed columns of `run.csv` first.
+const TABLE: [(Signal, Source); COUNT] = [
+    (Signal::double("time", "s"), AtHand),
+    (Signal::single("setpoint", "rpm"), AtHand),
+    (Signal::single("speed", "rpm"), Shaft),
+    (Signal::single("speed_estimated", "rpm"), AtHand),
+    (Signal::single("state", ""), AtHand),
+    (Signal::single("sector", ""), Shaft),
+    (Signal::single("duty", ""), AtHand),
+    (Signal::single("current_a", "A"), AtHand),
+    (Signal::single("current_b", "A"), AtHand),
+    (Signal::single("current_c", "A"), AtHand),
+    (Signal::single("bus_current", "A"), AtHand),
+    (Signal::single("bus_voltage", "V"), AtHand),
+    (Signal::single("torque", "N m"), AtHand),
+    (Signal::single("voltage_a", "V"), Observed),
+    (Signal::single("voltage_b", "V"), Observed),
+    (Signal::single("voltage_c", "V"), Observed),
+    (Signal::single("angle", "deg"), Shaft),
+    (Signal::single("hall", ""), AtHand),
+    (Signal::single("step", ""), AtHand),
+    (Signal::single("limiter", ""), AtHand),
+    (Signal::double("faults", ""), AtHand),
+    (Signal::double("position", "rad"), Observed),
+    (Signal::double("energy_in", "J"), Observed),
+    (Signal::double("energy_shaft", "J"), Observed),
+    (Signal::single("winding_temperature", "degC"), AtHand),
+    (Signal::single("peak_current", "A"), AtHand),
+    (Signal::single("crossing", ""), AtHand),
+    (Signal::single("crossing_margin", "deg"), AtHand),
 ];
 
 /// Signals of a bench's trace, in the order of its columns.
@@ -66,49 +72,18 @@ pub const SIGNALS: [Signal; COUNT] = {
     signals
 };
 
-/// A control tick that has ended. What several signals share is computed once, and only if one of them is
-/// kept.
-struct Tick<'a> {
-    bench: &'a Bench,
-    plant: &'a Plant,
-    shaft: OnceCell<ShaftState>,
-    seen: OnceCell<Observation>,
-}
-
-impl<'a> Tick<'a> {
-    fn new(bench: &'a Bench) -> Self {
-        Self { bench, plant: &bench.plant, shaft: OnceCell::new(), seen: OnceCell::new() }
-    }
-
-    fn drive(&self) -> &Drive {
-        self.bench.device.drive()
-    }
-
-    fn shaft(&self) -> &ShaftState {
-        self.shaft.get_or_init(|| self.plant.shaft())
-    }
-
-    fn seen(&self) -> &Observation {
-        self.seen.get_or_init(|| self.plant.observe())
-    }
-
-    /// Electrical angle, turns from 0 to 1.
-    fn turn(&self) -> f64 {
-        let turns = self.shaft().electrical_turns;
-        turns - libm::floor(turns)
-    }
-}
-
 /// Rows by which columns grow.
 const BLOCK: usize = 256;
 
-/// Rows that a bench keeps. A column is beside the function that fills it, so that a row is one pass; and all
-/// columns have room for the same rows, so that this is checked once a row.
+/// Rows that a bench keeps. A column is beside its signal's place, so that a row is one pass; and all columns
+/// have room for the same rows, so that this is checked once a row.
 #[derive(Clone, Debug)]
 pub(super) struct Kept {
     signals: Vec<Signal>,
-    singles: Vec<(Value, Vec<f32>)>,
-    doubles: Vec<(Value, Vec<f64>)>,
+    singles: Vec<(usize, Vec<f32>)>,
+    doubles: Vec<(usize, Vec<f64>)>,
+    /// The dearest source of these signals.
+    source: Source,
     rows: usize,
     /// Length of the columns: rows, and room for more.
     room: usize,
@@ -121,19 +96,21 @@ pub(super) struct Kept {
 impl Kept {
     /// Every signal in every tick.
     pub(super) fn all() -> Self {
-        Self::of(TABLE.into_iter(), NonZeroU32::MIN)
+        Self::of(0..COUNT, NonZeroU32::MIN)
     }
 
-    /// These signals, in one of `every` ticks.
-    fn of(columns: impl Iterator<Item = (Signal, Value)>, every: NonZeroU32) -> Self {
+    /// The signals at these places, in one of `every` ticks.
+    fn of(places: impl Iterator<Item = usize>, every: NonZeroU32) -> Self {
         let (signals, singles, doubles) = Default::default();
         let every = every.get();
-        let mut kept = Self { signals, singles, doubles, rows: 0, room: 0, every, left: every };
-        for (signal, value) in columns {
-            kept.signals.push(signal);
+        let mut kept =
+            Self { signals, singles, doubles, source: AtHand, rows: 0, room: 0, every, left: every };
+        for (place, (signal, source)) in places.filter_map(|place| Some((place, TABLE.get(place)?))) {
+            kept.signals.push(*signal);
+            kept.source = kept.source.max(*source);
             match signal.precision {
-                Precision::Single => kept.singles.push((value, Vec::new())),
-                Precision::Double => kept.doubles.push((value, Vec::new())),
+                Precision::Single => kept.singles.push((place, Vec::new())),
+                Precision::Double => kept.doubles.push((place, Vec::new())),
             }
         }
         kept
@@ -164,18 +141,18 @@ impl Kept {
         self.doubles.iter_mut().for_each(|(_, column)| column.resize(self.room, 0.0));
     }
 
-    fn push(&mut self, tick: &Tick<'_>) {
+    fn push(&mut self, row: &[f64; COUNT]) {
         if self.rows == self.room {
             self.make_room();
         }
-        for (value, column) in &mut self.singles {
-            if let Some(place) = column.get_mut(self.rows) {
-                *place = value(tick) as f32;
+        for (place, column) in &mut self.singles {
+            if let (Some(kept), Some(value)) = (column.get_mut(self.rows), row.get(*place)) {
+                *kept = *value as f32;
             }
         }
-        for (value, column) in &mut self.doubles {
-            if let Some(place) = column.get_mut(self.rows) {
-                *place = value(tick);
+        for (place, column) in &mut self.doubles {
+            if let (Some(kept), Some(value)) = (column.get_mut(self.rows), row.get(*place)) {
+                *kept = *value;
             }
         }
         self.rows += 1;
@@ -212,8 +189,7 @@ impl Bench {
         if places.iter().any(|place| *place >= COUNT) {
             return false;
         }
-        let columns = places.iter().filter_map(|place| TABLE.get(*place).copied());
-        self.kept = Some(Box::new(Kept::of(columns, every)));
+        self.kept = Some(Box::new(Kept::of(places.iter().copied(), every)));
         true
     }
 
@@ -237,8 +213,54 @@ impl Bench {
 
     /// The present value of every signal, in the order of [`SIGNALS`].
     pub fn values(&self) -> [f64; COUNT] {
-        let tick = Tick::new(self);
-        TABLE.map(|(_, value)| value(&tick))
+        self.row(Observed)
+    }
+
+    /// The values at the end of a tick; 0 for those of a dearer source than `source`.
+    #[inline]
+    fn row(&self, source: Source) -> [f64; COUNT] {
+        let (plant, drive, status) = (&self.plant, self.device.drive(), self.status());
+        let (speed, turns) = if source >= Shaft {
+            let shaft = plant.shaft();
+            (shaft.speed, shaft.electrical_turns)
+        } else {
+            (0.0, 0.0)
+        };
+        let turn = turns - libm::floor(turns);
+        let seen = (source >= Observed).then(|| plant.observe());
+        let seen = |value: fn(&Observation) -> f64| seen.as_ref().map_or(0.0, value);
+        let [current_a, current_b, current_c] = plant.current();
+        let (crossing, margin, _) = drive.crossing();
+        [
+            plant.time(),
+            self.rpm(status.setpoint),
+            speed * 60.0 / core::f64::consts::TAU,
+            self.rpm(self.estimated()),
+            f64::from(drive.state() as u8),
+            f64::from(sector_of(ElectricalAngle((turn * 65_536.0) as u16))),
+            f64::from(self.command.duty.to_bits()) / 32_768.0,
+            current_a,
+            current_b,
+            current_c,
+            plant.bus_current(),
+            plant.bus_voltage(),
+            plant.torque(),
+            seen(|seen| seen.terminal[0]),
+            seen(|seen| seen.terminal[1]),
+            seen(|seen| seen.terminal[2]),
+            turn * 360.0,
+            f64::from(self.hall),
+            f64::from(self.command.step as u8),
+            f64::from(drive.limiter() as u8),
+            f64::from(status.faults.bits()),
+            seen(|seen| seen.angle),
+            seen(|seen| seen.ledger.source),
+            seen(|seen| seen.ledger.shaft),
+            plant.winding_temperature(),
+            plant.peak_current(),
+            f64::from(crossing as u8),
+            f64::from(margin) * DEGREES,
+        ]
     }
 
     fn rpm(&self, speed: ElectricalSpeed) -> f64 {
@@ -256,7 +278,7 @@ impl Bench {
         // Taken out, because the values are the bench's.
         let Some(mut kept) = self.kept.take() else { return };
         if kept.is_due() {
-            kept.push(&Tick::new(self));
+            kept.push(&self.row(kept.source));
         }
         self.kept = Some(kept);
     }

@@ -24,11 +24,14 @@ export interface IdentificationOptions {
     bridge?: number;
     /** False holds the rotor and measures resistance and inductance alone; default true. */
     turn?: boolean;
+    /** True calibrates the hall sensors, too; the drive keeps what it finds. Default false. */
+    halls?: boolean;
 }
 
 /** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; spins it and lets it coast
- * for the torque constant; accelerates it for inertia and friction; stops it and restores the parameters. */
-export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "restoring";
+ * for the torque constant; accelerates it for inertia and friction; calibrates the hall sensors; stops it and restores the
+ * parameters. */
+export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "calibrating" | "restoring";
 
 /** A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors. */
 export interface Figure {
@@ -48,8 +51,23 @@ export interface Identified {
     readonly resistance: Figure;
     /** Line to line, H. */
     readonly inductance: Figure;
+    /** Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has rested in the same
+     * room. Absent if the drive does not broadcast it. */
+    readonly temperature?: number;
     /** Figures of a rotor that has turned; absent if it was held. */
     readonly turned?: IdentifiedTurning;
+    /** How the hall sensors are wired; absent if they were not asked for. */
+    readonly halls?: IdentifiedHalls;
+}
+
+/** Wiring of hall sensors, as the drive's parameters have it from then on. */
+export interface IdentifiedHalls {
+    /** Permutation of the lines, 0 to 5 (parameter 262). */
+    readonly order: number;
+    /** Lines that are inverted, a bit each (parameter 263). */
+    readonly polarity: number;
+    /** Offset of the edges, electrical degrees (parameter 80). */
+    readonly offset: number;
 }
 
 /** Figures that a rotor shows when it turns. */
@@ -122,7 +140,8 @@ impl Identification {
     pub fn new(
         #[wasm_bindgen(unchecked_param_type = "IdentificationOptions")] options: &JsValue,
     ) -> Result<Identification, JsValue> {
-        let options = Options::new("identify", options, &["polePairs", "current", "bridge", "turn"])?;
+        let options =
+            Options::new("identify", options, &["polePairs", "current", "bridge", "turn", "halls"])?;
         options.required("polePairs")?;
         let pole_pairs = options.whole("polePairs", 1.0, 50.0)?.unwrap_or_default();
         let plain = Asked::new(pole_pairs as u8);
@@ -130,6 +149,7 @@ impl Identification {
             current: options.number("current")?,
             bridge: options.number("bridge")?.unwrap_or(plain.bridge),
             turn: options.flag("turn")?.unwrap_or(plain.turn),
+            halls: options.flag("halls")?.unwrap_or(plain.halls),
             ..plain
         };
         Core::new(asked).map(Self).map_err(|refused| range_error(&refused))
@@ -177,6 +197,16 @@ fn figures(found: &Identified) -> Object {
     set(&shaped, "current", found.current);
     set(&shaped, "resistance", figure(found.resistance));
     set(&shaped, "inductance", figure(found.inductance));
+    if let Some(temperature) = found.temperature {
+        set(&shaped, "temperature", temperature);
+    }
+    if let Some(halls) = found.halls {
+        let wired = Object::new();
+        set(&wired, "order", halls.order);
+        set(&wired, "polarity", halls.polarity);
+        set(&wired, "offset", halls.offset);
+        set(&shaped, "halls", wired);
+    }
     if let Some(turned) = found.turned {
         let rotor = Object::new();
         set(&rotor, "torqueConstant", figure(turned.torque_constant));
