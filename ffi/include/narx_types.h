@@ -57,7 +57,7 @@
 #define NARX_TURN (1 << 16)
 
 /// 64-bit words of an identification on any processor.
-#define NARX_IDENTIFICATION_WORDS 1440
+#define NARX_IDENTIFICATION_WORDS 1512
 
 /// 64-bit words of a master on any processor.
 #define NARX_MASTER_WORDS 552
@@ -424,8 +424,10 @@ enum narx_identification_stage_t
     NARX_IDENTIFICATION_STAGE_SPINS = 2,
     /// Accelerates it and lets it coast: inertia and friction.
     NARX_IDENTIFICATION_STAGE_ACCELERATES = 3,
+    /// Turns the rotor one electrical revolution each way: hall sensors.
+    NARX_IDENTIFICATION_STAGE_CALIBRATES = 4,
     /// Stops the motor and restores the parameters.
-    NARX_IDENTIFICATION_STAGE_RESTORES = 4,
+    NARX_IDENTIFICATION_STAGE_RESTORES = 5,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1252,6 +1254,9 @@ typedef struct narx_figure_t {
 
 /// Figures of a motor as its drive has measured them, at the temperature that the motor had.
 typedef struct narx_identified_t {
+    /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has
+    /// rested in the same room. NAN if the drive does not broadcast it.
+    double temperature;
     /// Bus voltage without load, V.
     double supply;
     /// Largest phase current of the identification: the given one, or what the heat allows, A.
@@ -1276,6 +1281,14 @@ typedef struct narx_identified_t {
     uint8_t pole_pairs;
     /// Not 0: the rotor has turned.
     uint8_t turned;
+    /// Not 0: the hall sensors were calibrated, and the drive keeps what follows.
+    uint8_t calibrated;
+    /// Permutation of the hall lines, 0 to 5 (parameter 262).
+    uint8_t hall_order;
+    /// Hall lines that are inverted, a bit each (parameter 263).
+    uint8_t hall_polarity;
+    /// Offset of the hall edges, electrical degrees (parameter 80).
+    double hall_offset;
 } narx_identified_t;
 
 /// A parameter that was stored.
@@ -1499,6 +1512,8 @@ typedef struct narx_identification_config_t {
     uint8_t pole_pairs;
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     uint8_t hold;
+    /// Not 0: the hall sensors are calibrated, too, if the rotor may turn; default 0.
+    uint8_t halls;
 } narx_identification_config_t;
 
 /// The identification of one motor: memory that the caller owns. Its content is private to the library; it

@@ -110,6 +110,7 @@ static void refusals(narx_identification_config_t config)
 
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);
     config.pole_pairs = 4;
+    config.halls = 1;
     config.current = 6.5;
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);
     config.current = 0.0;
@@ -140,7 +141,7 @@ int main(void)
     CHECK(narx_master_stop(&master) == NARX_OK);
     run(1000);
     CHECK(narx_identification_config_default(&config) == NARX_OK);
-    CHECK(config.pole_pairs == 0 && config.current == 0.0 && config.bridge == 0.04 && config.hold == 0);
+    CHECK(config.pole_pairs == 0 && config.current == 0.0 && config.bridge == 0.04 && config.hold == 0 && config.halls == 0);
     refusals(config);
     run(500);
 
@@ -153,6 +154,9 @@ int main(void)
     CHECK(near(found.inductance.value, 1.28e-3, 0.10));
     CHECK(near(found.torque_constant.value, 0.03443, 0.02));
     CHECK(near(found.inertia.value, 4.8e-6, 0.10));
+    CHECK(near(found.temperature, 25.0, 0.05));
+    CHECK(found.calibrated == 1 && found.hall_order <= 5 && found.hall_polarity <= 7);
+    CHECK(found.hall_offset > -3.0 && found.hall_offset < 3.0);
     printf("%.3f ohm, %.3f mH, %.2f mN m/A, %.2f g cm2 after %lu ms\n", found.resistance.value, 1e3 * found.inductance.value,
         1e3 * found.torque_constant.value, 1e7 * found.inertia.value, (unsigned long)(ticks / 10u));
 

@@ -49,6 +49,17 @@ def test_a_motor_file_that_is_none_is_named(text: str, message: str, tmp_path: P
         narx.Bench(path)
 
 
+def test_hall_sensors_are_calibrated_on_request(found: narx.Identified) -> None:
+    assert found.halls is None and found.temperature == pytest.approx(25, abs=1)
+    drive = narx.Bench(narx.Motor.preset(NAME).replace(hall_offset_deg=12.0), 18.0, recording=False).drive
+    stages: list[str] = []
+    halls = drive.identify(8, halls=True, progress=stages.append).halls
+    assert halls is not None and stages[-2:] == ["calibrating", "restoring"]
+    assert halls.offset == pytest.approx(12, abs=3)
+    names = ("Hall order", "Hall polarity mask", "Hall effect offset angle")
+    assert tuple(drive.parameters[name] for name in names) == (halls.order, halls.polarity, halls.offset)
+
+
 def test_a_rotor_that_is_held_has_no_motor() -> None:
     held = narx.Bench(NAME, recording=False).drive.identify(8, current=2, turn=False)
     assert held.torque_constant is None and held.resistance.value == pytest.approx(0.447, rel=0.05)

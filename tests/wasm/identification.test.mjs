@@ -31,6 +31,7 @@ test("a drive measures its motor, puts its parameters back, and is commissioned 
     const stages = [];
     const found = await pump.run(drive.identify({ polePairs: truth.polePairs }, (stage) => stages.push(stage)));
     assert.deepEqual(stages, ["asking", "holding", "spinning", "accelerating", "restoring"]);
+    assert.ok(Math.abs(found.temperature - 25) < 1 && found.halls === undefined, `${found.temperature}`);
     assert.deepEqual(await values(pump), before);
     assert.equal(drive.stateName, "Standby");
     const { turned } = found;
@@ -62,6 +63,19 @@ test("a drive measures its motor, puts its parameters back, and is commissioned 
     await pump.run(drive.start(2000));
     assert.ok(await pump.run(drive.waitFor(() => Math.abs(drive.speed - 2000) < 20, 3)));
     assert.equal(drive.stateName, "Sensorless Closed-loop");
+});
+
+test("hall sensors are calibrated on request, and the drive keeps their wiring", async () => {
+    const { pump, drive } = await booted();
+    const stages = [];
+    const { halls } = await pump.run(drive.identify({ polePairs: 4, halls: true }, (stage) => stages.push(stage)));
+    assert.deepEqual(stages.slice(-2), ["calibrating", "restoring"]);
+    assert.ok(Math.abs(halls.offset) < 3, `${halls.offset}`);
+    const kept = [];
+    for (const name of ["Hall order", "Hall polarity mask", "Hall effect offset angle"]) {
+        kept.push(await pump.run(drive.parameters.get(name)));
+    }
+    assert.deepEqual(kept, [halls.order, halls.polarity, halls.offset]);
 });
 
 test("a rotor that is held tells resistance and inductance alone, and no motor file", async () => {

@@ -17,11 +17,14 @@ after(() => browser?.close());
 afterEach(() => browser?.closePages());
 
 /** Answers the questions, and begins. */
-async function begin(page, { polePairs = 4, turn = true } = {}) {
+async function begin(page, { polePairs = 4, turn = true, halls = false } = {}) {
     const type = page.locator("#pole-pairs");
     await type.fill(String(polePairs));
     await type.press("Tab");
     await page.locator("#identify-turn").setChecked(turn);
+    if (halls) {
+        await page.locator("#identify-halls").check();
+    }
     await page.locator("#identify-ready").check();
     await page.locator("#identify:enabled").click();
 }
@@ -42,7 +45,7 @@ test("a motor is measured, saved as a motor file, and the drive commissioned fro
     await page.locator("#pole-pairs").press("Tab");
     await page.getByText("first at 750 rpm").waitFor();
     await why.getByText("Confirm that the motor is ready.").waitFor();
-    await begin(page);
+    await begin(page, { halls: true });
     await page.locator("#identify-stage").getByText(/^Holding/).waitFor();
     assert.match(await page.locator("[aria-current=step]").textContent(), /^Holding/);
     assert.ok(await page.locator("#start").isDisabled(), "nothing else commands the drive");
@@ -54,6 +57,7 @@ test("a motor is measured, saved as a motor file, and the drive commissioned fro
     await go(page, "identify");
     await page.locator("#identified").waitFor(LONG);
     await inState(page, "Standby");
+    await page.getByText(/Hall sensors: order 0, polarity 0, offset/).waitFor();
     const found = await figures(page);
     assert.equal(found.length, 5);
     // The time of the page decides the noise, so these are wider than what identification.test.mjs allows.

@@ -147,9 +147,9 @@ impl Balance {
             return None;
         }
         let mut fit = Fit::default();
-        fit.add(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], 0.0, weight(ZERO));
-        fit.add(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 0.0, weight(DROPS));
-        fit.add(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0], 1.0, weight(HEAT));
+        for (place, value, deviation) in [(3, 0.0, ZERO), (4, 1.0, HEAT), (5, 0.0, DROPS)] {
+            fit.expect(place, value, deviation);
+        }
         for block in &blocks {
             let volts = block.volts / time;
             let noise = square(channel.noise) * volts * block.volts * period;

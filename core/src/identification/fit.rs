@@ -38,6 +38,15 @@ impl Fit {
         self.count += 1;
     }
 
+    /// Adds what is known beside the rows: the unknown at `place` is `value`, with this standard deviation.
+    pub(super) fn expect(&mut self, place: usize, value: f64, deviation: f64) {
+        let mut row = [0.0; UNKNOWNS];
+        for cell in row.iter_mut().skip(place).take(1) {
+            *cell = 1.0;
+        }
+        self.add(&row, value, 1.0 / (deviation * deviation));
+    }
+
     /// The unknowns; `None` if the rows do not determine them.
     pub(super) fn solve(&self) -> Option<Solution> {
         let mut normal = self.normal;

@@ -30,7 +30,7 @@ pub use error::IdentificationError;
 pub use figures::{Asked, Figure, Halls, Identified, Stage, Turned};
 
 use crate::commissioning::{self, Commissioning, CommissioningError, Mode, Motor, Nameplate};
-use crate::dictionary::{engineering, number};
+use crate::dictionary::{Decimal, engineering, number};
 use crate::master::{JobError, Master, RequestError};
 use crate::motor::Board;
 use crate::motor::guard::fault::Cause;
@@ -177,7 +177,7 @@ impl Identification {
         }
         let mut script = Script::default();
         // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.
-        script.add([
+        script.add(&[
             Action::Ready,
             Action::Read(number::SCOPE_ROOM),
             Action::Read(number::OVER_VOLTAGE),
@@ -319,9 +319,10 @@ impl Identification {
                     return Err(IdentificationError::NoScope { room: self.found.room });
                 }
                 let temperature = master.measurements().find(AMBIENT);
-                self.found.temperature = temperature
-                    .and_then(|seen| seen.value.rescaled(-3))
-                    .map(|thousandths| thousandths as f64 / 1e3);
+                self.found.temperature = temperature.map(|seen| {
+                    let Decimal { digits, exponent } = seen.value;
+                    (exponent..0).fold(digits as f64, |value, _| value / 10.0)
+                });
                 self.stage = Stage::Holds;
                 self.prepare_holds()?;
                 self.hold(FIRST_DUTY)
@@ -372,7 +373,7 @@ impl Identification {
 
     fn set(&mut self, number: u16, value: f64) -> Result<(), IdentificationError> {
         let raw = engineering::raw(number, value).map_err(IdentificationError::Value)?;
-        self.script.add([Action::Write(number, raw as i32)]);
+        self.script.add(&[Action::Write(number, raw as i32)]);
         Ok(())
     }
 
@@ -389,7 +390,7 @@ impl Identification {
         self.set(number::OPEN_LOOP_DUTY, 100.0 * duty)?;
         let before = self.held_rows();
         let filled = (f64::from(before) * self.found.period * 1e6) as u64 + MARGIN;
-        self.script.add([
+        self.script.add(&[
             Action::Start(0),
             Action::Wait(rest),
             Action::arm(&HELD, before + AFTER, 1, before),
@@ -428,12 +429,12 @@ impl Identification {
             return Err(IdentificationError::Unsteady(self.stage));
         }
         let duty = lock.level;
-        let next = level(duty * fmin(STRONG * room, 3.0), 0.95 * duty * room);
+        let next = level(duty * fmin(STRONG * room, 3.0));
         if next > 1.15 * duty {
             return self.hold(next);
         }
         if self.locks.len() < 3 {
-            return self.hold(level(0.6 * duty, 0.0));
+            return self.hold(level(0.6 * duty));
         }
         if winding::doubt(&self.locks) > DOUBT && !self.locks.is_full() {
             return self.hold(duty);
@@ -446,7 +447,7 @@ impl Identification {
         if self.level >= 0.99 * LARGEST_DUTY {
             return Err(IdentificationError::NoMotor { duty: self.level });
         }
-        self.hold(level(2.0 * self.level, 0.0))
+        self.hold(level(2.0 * self.level))
     }
 
     /// R and L are there.
@@ -541,7 +542,7 @@ impl Identification {
             // Before it is measured the drive must not rely on it.
             let zero = unknown && number == number::BACK_EMF_CONSTANT;
             let raw = if zero { 0 } else { commissioning.parameters.raw(number) };
-            self.script.add([Action::Write(number, raw)]);
+            self.script.add(&[Action::Write(number, raw)]);
         }
         Ok(commissioning)
     }
@@ -551,7 +552,7 @@ impl Identification {
         let commissioning = self.commission(Mode::Sensorless)?;
         let rpm = round(fmin(fmax(rpm, commissioning.speed_min), commissioning.speed_max));
         self.found.speed = rpm;
-        self.script.add([Action::Start(rpm as i32), Action::Settle { rpm, within: wait }]);
+        self.script.add(&[Action::Start(rpm as i32), Action::Settle { rpm, within: wait }]);
         self.coast(MANY_SAMPLES);
         Ok(())
     }
@@ -563,7 +564,7 @@ impl Identification {
         // The first one only shows how fast the motor may turn.
         let is_first = self.stage == Stage::Spins && self.round == 0;
         let rows = self.found.room / if is_first { 9 } else { 3 };
-        self.script.add([
+        self.script.add(&[
             Action::arm(&TERMINALS, rows, prescaler, 0),
             Action::Wait(MARGIN),
             Action::Stop,
@@ -619,7 +620,7 @@ impl Identification {
         let rows = self.found.room / 4;
         let length = fmax(1.5 * (fast - slow) / rate + 0.1, 0.2);
         let prescaler = fmax(1.0, round(length / (f64::from(rows) * self.found.period))) as u16;
-        self.script.add([
+        self.script.add(&[
             Action::Start(slow as i32),
             Action::Settle { rpm: slow, within: SPIN },
             Action::arm_forced(&DRIVEN, rows, prescaler),
@@ -661,7 +662,7 @@ impl Identification {
         }
         let Some(before) = self.found.driven else {
             self.found.balance = Some(balance);
-            self.script.add([Action::Settle { rpm: self.found.speed, within: SPIN }]);
+            self.script.add(&[Action::Settle { rpm: self.found.speed, within: SPIN }]);
             self.coast(FEW_SAMPLES);
             return Ok(());
         };
@@ -671,9 +672,9 @@ impl Identification {
             return Ok(());
         }
         self.stage = Stage::Calibrates;
-        self.script.add([Action::Stop]);
+        self.script.add(&[Action::Stop]);
         self.commission(Mode::Hall)?;
-        self.script.add([
+        self.script.add(&[
             Action::CalibrateHall,
             Action::Read(number::HALL_ORDER),
             Action::Read(number::HALL_POLARITY),
@@ -728,14 +729,9 @@ impl Identification {
     }
 }
 
-/// A level of about this duty, and of no more than `most`, at which it is known when the drive reads the
-/// current.
-fn level(duty: f64, most: f64) -> f64 {
-    match duty {
-        duty if !(OFF_TIME..ON_TIME).contains(&duty) => fmin(duty, LARGEST_DUTY),
-        _ if most >= ON_TIME => ON_TIME,
-        _ => OFF_TIME,
-    }
+/// The largest level up to this duty at which it is known when the drive reads the current.
+fn level(duty: f64) -> f64 {
+    if (OFF_TIME..ON_TIME).contains(&duty) { OFF_TIME } else { fmin(duty, LARGEST_DUTY) }
 }
 
 fn is_open_phase(error: &JobError) -> bool {

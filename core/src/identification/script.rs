@@ -99,17 +99,17 @@ pub(super) struct Script {
 type Done = Result<bool, IdentificationError>;
 
 impl Script {
-    pub(super) fn add<const N: usize>(&mut self, actions: [Action; N]) {
+    pub(super) fn add(&mut self, actions: &[Action]) {
         for action in actions {
             // There is room (`ACTIONS`).
-            let _ = self.actions.push_back(action);
+            let _ = self.actions.push_back(*action);
         }
     }
 
     /// Drops everything: the motor stops, a fault is acknowledged, and the rotor comes to rest.
     pub(super) fn give_up(&mut self, master: &mut Master) {
         self.stop(master);
-        self.add([Action::Wait(REST_AFTER_FAULT)]);
+        self.add(&[Action::Wait(REST_AFTER_FAULT)]);
     }
 
     /// Drops everything, and stops the motor.
@@ -117,7 +117,7 @@ impl Script {
         self.drop_all(master);
         // At once, even if an answer is still waited for.
         master.stop();
-        self.add([Action::Stop]);
+        self.add(&[Action::Stop]);
     }
 
     /// Drops everything, also the action under way.

@@ -41,6 +41,8 @@ const BOOTED: f64 = 1.2;
 /// Longest identification, s of simulated time.
 const LONGEST: f64 = 60.0;
 
+/// Time within which a motor should be identified, s.
+const TIME: f64 = 15.0;
 /// Stages that take most of the time.
 const STAGES: [Stage; 3] = [Stage::Holds, Stage::Spins, Stage::Accelerates];
 
@@ -226,7 +228,13 @@ fn summarise(name: &str, trials: &[Trial]) {
         );
     }
     let time = |of: &dyn Fn(&Trial) -> f64| spread(&mut trials.iter().map(of).collect::<Vec<f64>>(), " s");
-    println!("time: {}", time(&|trial| trial.time));
+    let ended = trials.iter().filter(|trial| trial.ratios().is_some());
+    let soon = ended.filter(|trial| trial.time <= TIME).count();
+    println!(
+        "time: {}; of the identified within {TIME} s: {:.1} %",
+        time(&|trial| trial.time),
+        100.0 * soon as f64 / measured.len().max(1) as f64
+    );
     for (place, stage) in STAGES.iter().enumerate() {
         println!("{}: {}", stage.name(), time(&|trial| trial.stages[place]));
     }

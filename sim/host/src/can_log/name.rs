@@ -15,8 +15,13 @@ pub fn message_name(message: &Message) -> String {
 
 /// Letters and digits of a name, joined by `_`.
 pub fn identifier(name: &str) -> String {
-    let words: Vec<&str> =
-        name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
-    let joined = words.join("_");
-    if joined.starts_with(|c: char| c.is_ascii_digit()) { "_".to_owned() + &joined } else { joined }
+    let mut joined = String::new();
+    for word in name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()) {
+        // An identifier does not begin with a digit.
+        if !joined.is_empty() || word.starts_with(|c: char| c.is_ascii_digit()) {
+            joined.push('_');
+        }
+        joined += word;
+    }
+    joined
 }
