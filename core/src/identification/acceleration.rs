@@ -100,9 +100,9 @@ struct Block {
     heat: f64,
     volts: f64,
     back_emf: f64,
-    /// Way of the rotor while it was driven, rad, and what an error of the zero adds to the back-EMF over time,
-    /// V s/A.
+    /// Way of the rotor while it was driven, rad.
     driven: f64,
+    /// Share of an error of the zero in the back-EMF over time, V s/A.
     per_zero: f64,
     /// Half of the rise of the squared speed.
     rise: f64,

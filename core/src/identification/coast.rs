@@ -84,7 +84,7 @@ impl Coast {
         (flux * pole_pairs / FRAC_PI_3, error * pole_pairs / FRAC_PI_3)
     }
 
-    /// What this one and a later one have told, each by its more certain part.
+    /// This one and a later one, each by its more certain part.
     pub(super) fn with(self, later: Self) -> Self {
         let flux = if later.flux.1 < self.flux.1 { later.flux } else { self.flux };
         if later.error < self.error { Self { flux, ..later } } else { Self { flux, ..self } }

@@ -40,7 +40,7 @@ pub struct Figure {
 pub struct Identified {
     /// Pole pairs, as given.
     pub pole_pairs: u8,
-    /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor which has
+    /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has
     /// rested in the same room. `None` if the drive does not broadcast it.
     pub temperature: Option<f64>,
     /// Bus voltage without load, V.
@@ -53,7 +53,7 @@ pub struct Identified {
     pub inductance: Figure,
     /// Figures of a rotor that has turned; `None` if it was held.
     pub turned: Option<Turned>,
-    /// How the hall sensors are wired; `None` if they were not asked for. The drive keeps this.
+    /// Wiring of the hall sensors, which the drive keeps; `None` if they were not asked for.
     pub halls: Option<Halls>,
 }
 

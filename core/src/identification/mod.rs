@@ -634,8 +634,8 @@ impl Identification {
         Ok(())
     }
 
-    /// The acceleration is recorded, then the coasting rotor: inertia and friction. Then a second acceleration,
-    /// with gains that fit them.
+    /// The acceleration is recorded, then the coasting rotor: inertia and friction. Then a second
+    /// acceleration, with gains that fit them.
     fn accelerated(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
         let unsteady = IdentificationError::Unsteady(self.stage);
         let Found { winding: Some(winding), coast: Some(coast), channel, period, .. } = self.found else {

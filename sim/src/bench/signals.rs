@@ -17,7 +17,7 @@ const DEGREES: f64 = 360.0 / 65_536.0;
 /// Number of signals.
 const COUNT: usize = 28;
 
-/// Where a signal's value comes from, by rising cost.
+/// Origin of a signal's value, by rising cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Source {
     /// The bench and its plant have it.
