@@ -110,7 +110,6 @@ static void refusals(narx_identification_config_t config)
 
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);
     config.pole_pairs = 4;
-    config.halls = 1;
     config.current = 6.5;
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);
     config.current = 0.0;
@@ -147,6 +146,7 @@ int main(void)
 
     /* bly172s-24v of the simulator's presets. */
     config.pole_pairs = 4;
+    config.halls = 1;
     CHECK(identify(&config, &found, 0) == NARX_OK);
     CHECK(narx_identification_error_text(&identification, text, sizeof text) == NARX_NOTHING);
     CHECK(found.turned == 1 && found.pole_pairs == 4);
