@@ -240,11 +240,14 @@ export interface IdentificationOptions {
     bridge?: number;
     /** False holds the rotor and measures resistance and inductance alone; default true. */
     turn?: boolean;
+    /** True calibrates the hall sensors, too; the drive keeps what it finds. Default false. */
+    halls?: boolean;
 }
 
 /** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; spins it and lets it coast
- * for the torque constant; accelerates it for inertia and friction; stops it and restores the parameters. */
-export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "restoring";
+ * for the torque constant; accelerates it for inertia and friction; calibrates the hall sensors; stops it and restores the
+ * parameters. */
+export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "calibrating" | "restoring";
 
 /** A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors. */
 export interface Figure {
@@ -264,8 +267,23 @@ export interface Identified {
     readonly resistance: Figure;
     /** Line to line, H. */
     readonly inductance: Figure;
+    /** Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has rested in the same
+     * room. Absent if the drive does not broadcast it. */
+    readonly temperature?: number;
     /** Figures of a rotor that has turned; absent if it was held. */
     readonly turned?: IdentifiedTurning;
+    /** How the hall sensors are wired; absent if they were not asked for. */
+    readonly halls?: IdentifiedHalls;
+}
+
+/** Wiring of hall sensors, as the drive's parameters have it from then on. */
+export interface IdentifiedHalls {
+    /** Permutation of the lines, 0 to 5 (parameter 262). */
+    readonly order: number;
+    /** Lines that are inverted, a bit each (parameter 263). */
+    readonly polarity: number;
+    /** Offset of the edges, electrical degrees (parameter 80). */
+    readonly offset: number;
 }
 
 /** Figures that a rotor shows when it turns. */
