@@ -1512,7 +1512,7 @@ typedef struct narx_identification_config_t {
     uint8_t pole_pairs;
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     uint8_t hold;
-    /// Not 0: the hall sensors are calibrated, too, if the rotor may turn; default 0.
+    /// Not 0: the hall sensors are calibrated, too; not with `hold`; default 0.
     uint8_t halls;
 } narx_identification_config_t;
 

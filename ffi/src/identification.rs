@@ -48,7 +48,7 @@ pub struct narx_identification_config_t {
     pub pole_pairs: u8,
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     pub hold: u8,
-    /// Not 0: the hall sensors are calibrated, too, if the rotor may turn; default 0.
+    /// Not 0: the hall sensors are calibrated, too; not with `hold`; default 0.
     pub halls: u8,
 }
 
@@ -290,7 +290,9 @@ impl From<IdentificationError> for narx_status_t {
     fn from(error: IdentificationError) -> Self {
         use IdentificationError as Error;
         match error {
-            Error::PolePairs(_) | Error::Current(_) | Error::Bridge(_) => NARX_ERROR_ARGUMENT,
+            Error::PolePairs(_) | Error::Current(_) | Error::Bridge(_) | Error::HeldHalls => {
+                NARX_ERROR_ARGUMENT
+            }
             Error::Rate(_) => NARX_ERROR_BOARD,
             Error::Value(_) => NARX_ERROR_OUT_OF_RANGE,
             Error::NotInStandby(_) => NARX_ERROR_WRONG_STATE,

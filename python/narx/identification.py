@@ -141,9 +141,9 @@ def identify(
     finally:
         if not identification.has_ended:
             end(link, identification)
-    kinds: dict[int, Callable[..., Any]] = {2: Figure, 3: Halls}
-    known: dict[str, Any] = {name: kinds[len(value)](*value) if isinstance(value, tuple) else value for name, value in figures.items()}
-    return Identified(**known)
+    halls = figures.pop("halls", None)
+    known: dict[str, Any] = {name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()}
+    return Identified(**known, halls=None if halls is None else Halls(*halls))
 
 
 def end(link: Link, identification: _core.Identification) -> None:

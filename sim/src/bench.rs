@@ -109,8 +109,7 @@ pub struct Bench {
     /// Ticks from one slow input to the next.
     inputs_every: u64,
     tick_rate: u64,
-    /// Mechanical rpm of one step of an electrical speed.
-    rpm_per_step: f64,
+    pole_pairs: f64,
     kept: Option<Box<Kept>>,
     command: PwmCommand,
     hall: u8,
@@ -163,7 +162,7 @@ impl Bench {
             other,
             inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
             tick_rate: board.tick_rate.max(1).into(),
-            rpm_per_step: 60.0 / 65_536.0 / f64::from(config.plant.motor.pole_pairs),
+            pole_pairs: f64::from(config.plant.motor.pole_pairs),
             kept: config.trace.then(|| Box::new(Kept::all())),
             command: PwmCommand::default(),
             hall: 0,

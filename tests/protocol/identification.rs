@@ -127,14 +127,21 @@ fn windings_are_measured_at_20_khz() {
         (winding(4.34, 1.24e-3), 50.3),
     ] {
         let board = Board::BENCH.at_rate(20_000).unwrap();
-        let plant = PlantConfig { board, ..PlantConfig::new(motor, supply) };
-        let mut rig = Rig::of(plant, Parameters::new(), Config::default());
-        rig.until(State::Standby);
-        let held = Asked { turn: false, ..Asked::new(motor.pole_pairs) };
-        let found = identify(&mut rig, held, |_, _| {}).unwrap();
-        // One of them is 3.6 % off (docs/design/master.md).
-        within(found.resistance, motor.resistance, 0.05);
-        within(found.inductance, motor.inductance, 0.08);
+        let (mut resistance, mut inductance) = (0.0, 0.0);
+        for seed in 0..4 {
+            let plant = PlantConfig { board, seed, ..PlantConfig::new(motor, supply) };
+            let mut rig = Rig::of(plant, Parameters::new(), Config::default());
+            rig.until(State::Standby);
+            let held = Asked { turn: false, ..Asked::new(motor.pole_pairs) };
+            let found = identify(&mut rig, held, |_, _| {}).unwrap();
+            within(found.inductance, motor.inductance, 0.10);
+            resistance += found.resistance.value / motor.resistance / 4.0;
+            inductance += found.inductance.value / motor.inductance / 4.0;
+        }
+        // The mean, because noise alone makes 8 % of an inductance. One resistance is 3.6 % off
+        // (docs/design/master.md).
+        assert!((resistance - 1.0).abs() < 0.05, "{resistance} of {} ohm", motor.resistance);
+        assert!((inductance - 1.0).abs() < 0.06, "{inductance} of {} H", motor.inductance);
     }
 }
 
@@ -181,6 +188,8 @@ fn hall_sensors_are_calibrated_on_request() {
 
 #[test]
 fn a_rotor_that_must_not_turn_is_held_alone() {
+    let both = Identification::new(Asked { turn: false, halls: true, ..Asked::new(8) }).unwrap_err();
+    assert_eq!(both.to_string(), "hall sensors are calibrated only if the rotor may turn");
     let mut rig = rig();
     let mut fastest = 0.0_f64;
     let found = identify(&mut rig, Asked { turn: false, ..Asked::new(8) }, |rig, _| {

@@ -105,3 +105,5 @@ def test_what_is_wrong_has_a_name() -> None:
         bench.drive.identify(0)
     with pytest.raises(narx.ParameterError, match="6 A"):
         bench.drive.identify(8, current=7)
+    with pytest.raises(narx.ParameterError, match="only if the rotor may turn"):
+        bench.drive.identify(8, turn=False, halls=True)

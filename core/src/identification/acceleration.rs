@@ -148,7 +148,7 @@ impl Balance {
         }
         let mut fit = Fit::default();
         for (place, value, deviation) in [(3, 0.0, ZERO), (4, 1.0, HEAT), (5, 0.0, DROPS)] {
-            fit.expect(place, value, deviation);
+            fit.know(place, value, weight(deviation));
         }
         for block in &blocks {
             let volts = block.volts / time;

@@ -18,6 +18,8 @@ pub enum IdentificationError {
     Current(f64),
     /// A resistance of the bridge outside 0 to 1 ohm.
     Bridge(f64),
+    /// Hall sensors of a rotor that must not turn.
+    HeldHalls,
     /// A PWM rate that no board has, Hz.
     Rate(u32),
     /// A value that a parameter of the drive cannot have.
@@ -94,6 +96,7 @@ impl fmt::Display for IdentificationError {
             Self::Bridge(value) => {
                 write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
+            Self::HeldHalls => f.write_str("hall sensors are calibrated only if the rotor may turn"),
             Self::Rate(rate) => write!(f, "a PWM rate of {rate} Hz is not one of this drive"),
             Self::Value(error) => error.fmt(f),
             Self::NotInStandby(Some(state)) => {

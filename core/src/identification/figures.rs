@@ -14,7 +14,7 @@ pub struct Asked {
     pub bridge: f64,
     /// The motor may turn. If not, resistance and inductance alone are measured.
     pub turn: bool,
-    /// The motor has hall sensors: they are calibrated, too, if it may turn.
+    /// The motor has hall sensors: they are calibrated, too. It must be allowed to turn then.
     pub halls: bool,
 }
 

@@ -38,13 +38,10 @@ impl Fit {
         self.count += 1;
     }
 
-    /// Adds what is known beside the rows: the unknown at `place` is `value`, with this standard deviation.
-    pub(super) fn expect(&mut self, place: usize, value: f64, deviation: f64) {
-        let mut row = [0.0; UNKNOWNS];
-        for cell in row.iter_mut().skip(place).take(1) {
-            *cell = 1.0;
-        }
-        self.add(&row, value, 1.0 / (deviation * deviation));
+    /// Adds that the unknown at `place` is `value`, which counts `weight` times.
+    pub(super) fn know(&mut self, place: usize, value: f64, weight: f64) {
+        let row: [f64; UNKNOWNS] = core::array::from_fn(|at| if at == place { 1.0 } else { 0.0 });
+        self.add(&row, value, weight);
     }
 
     /// The unknowns; `None` if the rows do not determine them.

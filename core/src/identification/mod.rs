@@ -162,7 +162,8 @@ impl Identification {
     /// the shaft at rest.
     ///
     /// # Errors
-    /// Pole pairs outside 1 to 50, or a current or a bridge that is no positive number.
+    /// Pole pairs outside 1 to 50, a current or a bridge that is no positive number, or hall sensors of a
+    /// rotor that is held.
     pub fn new(asked: Asked) -> Result<Self, IdentificationError> {
         if !(1..=50).contains(&asked.pole_pairs) {
             return Err(IdentificationError::PolePairs(asked.pole_pairs));
@@ -174,6 +175,9 @@ impl Identification {
         }
         if !(asked.bridge >= 0.0 && asked.bridge < 1.0) {
             return Err(IdentificationError::Bridge(asked.bridge));
+        }
+        if asked.halls && !asked.turn {
+            return Err(IdentificationError::HeldHalls);
         }
         let mut script = Script::default();
         // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.

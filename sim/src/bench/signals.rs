@@ -174,12 +174,6 @@ impl Kept {
     }
 }
 
-/// The part of a turn above the whole ones. A conversion takes a third of the time of `floor`.
-fn fraction(turns: f64) -> f64 {
-    let above = turns - turns as i64 as f64;
-    if above < 0.0 { above + 1.0 } else { above }
-}
-
 impl Bench {
     /// Keeps rows of all signals from now on, or forgets those so far and keeps none.
     pub fn set_trace(&mut self, keep: bool) {
@@ -232,7 +226,7 @@ impl Bench {
         } else {
             (0.0, 0.0)
         };
-        let turn = fraction(turns);
+        let turn = turns - libm::floor(turns);
         let seen = (source >= Observed).then(|| plant.observe());
         let seen = |value: fn(&Observation) -> f64| seen.as_ref().map_or(0.0, value);
         let [current_a, current_b, current_c] = plant.current();
@@ -270,7 +264,7 @@ impl Bench {
     }
 
     fn rpm(&self, speed: ElectricalSpeed) -> f64 {
-        f64::from(speed.to_bits()) * self.rpm_per_step
+        f64::from(speed.to_bits()) / 65_536.0 * 60.0 / self.pole_pairs
     }
 
     /// Speed that the drive estimates, of hall sensors or back-EMF.

@@ -24,7 +24,7 @@ export interface IdentificationOptions {
     bridge?: number;
     /** False holds the rotor and measures resistance and inductance alone; default true. */
     turn?: boolean;
-    /** True calibrates the hall sensors, too; the drive keeps what it finds. Default false. */
+    /** True calibrates the hall sensors, too; the drive keeps what it finds. Not with `turn: false`. Default false. */
     halls?: boolean;
 }
 
