@@ -141,9 +141,9 @@ def identify(
     finally:
         if not identification.has_ended:
             end(link, identification)
-    halls = figures.pop("halls", None)
+    calibrated = figures.pop("halls", None)
     known: dict[str, Any] = {name: Figure(*value) if isinstance(value, tuple) else value for name, value in figures.items()}
-    return Identified(**known, halls=None if halls is None else Halls(*halls))
+    return Identified(**known, halls=None if calibrated is None else Halls(*calibrated))
 
 
 def end(link: Link, identification: _core.Identification) -> None:
