@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -17,8 +18,9 @@ DELAY = 1.0
 def bar(total: float | None, unit: str, progress: bool | None) -> Iterator[Callable[[float], Any]]:
     """Shows a progress bar; yields the function that advances it. `None` shows it if tqdm is installed and the
     output is a terminal or a notebook; True raises MissingError without tqdm."""
+    hidden = progress is False or (progress is None and not is_watched())
     try:
-        tqdm = None if progress is False else need("tqdm.auto").tqdm
+        tqdm = None if hidden else need("tqdm.auto").tqdm
     except MissingError:
         if progress:
             raise
@@ -31,6 +33,11 @@ def bar(total: float | None, unit: str, progress: bool | None) -> Iterator[Calla
         total=total, unit=unit, bar_format=style, delay=0.0 if progress else DELAY, disable=None if progress is None else False
     ) as shown:
         yield shown.update
+
+
+def is_watched() -> bool:
+    """Returns whether the output is a terminal or a notebook."""
+    return "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty())
 
 
 @contextmanager

@@ -109,7 +109,8 @@ pub struct Bench {
     /// Ticks from one slow input to the next.
     inputs_every: u64,
     tick_rate: u64,
-    pole_pairs: f64,
+    /// Mechanical rpm of the last bit of an electrical speed.
+    rpm_per_bit: f64,
     kept: Option<Box<Kept>>,
     command: PwmCommand,
     hall: u8,
@@ -162,7 +163,7 @@ impl Bench {
             other,
             inputs_every: (u64::from(board.tick_rate) * INPUTS_MS / 1000).max(1),
             tick_rate: board.tick_rate.max(1).into(),
-            pole_pairs: f64::from(config.plant.motor.pole_pairs),
+            rpm_per_bit: 60.0 / 65_536.0 / f64::from(config.plant.motor.pole_pairs),
             kept: config.trace.then(|| Box::new(Kept::all())),
             command: PwmCommand::default(),
             hall: 0,

@@ -358,9 +358,20 @@ impl Nameplate {
         mode: Mode,
         speed_max: Option<f64>,
     ) -> Result<Commissioning, CommissioningError> {
+        self.commission_within(board, mode, speed_max, f64::INFINITY)
+    }
+
+    /// As [`commission_on`](Self::commission_on), with no more phase current than `most`, A.
+    pub(crate) fn commission_within(
+        &self,
+        board: &Board,
+        mode: Mode,
+        speed_max: Option<f64>,
+        most: f64,
+    ) -> Result<Commissioning, CommissioningError> {
         self.check()?;
         let mut notes = Vec::new();
-        let mut design = Design::new(self, board, speed_max, &mut notes)?;
+        let mut design = Design::new(self, board, speed_max, most, &mut notes)?;
         if mode == Mode::Sensorless && !board.comparator_capture {
             design.leave_room_for_samples(board, self.motor.pole_pairs, &mut notes)?;
         }
@@ -509,6 +520,7 @@ impl Design {
         plate: &Nameplate,
         board: &Board,
         asked: Option<f64>,
+        most: f64,
         notes: &mut Vec<Note, 5>,
     ) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
@@ -546,7 +558,7 @@ impl Design {
         if returned < fmin(phase_current, needed) {
             push(notes, Note::CurrentForBus { current: returned });
         }
-        let phase_current = fmin(phase_current, returned);
+        let phase_current = fmin(fmin(phase_current, returned), most);
         if speed_limit == SpeedLimit::Ticks {
             push(notes, Note::SpeedForTick { speed: tick_speed });
         }

@@ -132,6 +132,12 @@ const SLOWER: f64 = 3.0;
 /// Most starts that look for that speed.
 const SPINS: u8 = 6;
 
+/// An acceleration takes this share of the current that the winding may carry: what is measured on the way
+/// lags less behind it.
+const CALM: f64 = 0.6;
+/// A start takes this share of the largest current: a rotor that is held swings, and its back-EMF adds to it.
+const STRONGEST: f64 = 0.7;
+
 /// Rows of a lock's record after the stop.
 const AFTER: u16 = 200;
 /// Samples of a third at the speed of the stop: many show the back-EMF, few show a longer part of the coast.
@@ -507,7 +513,7 @@ impl Identification {
         let unknown = self.found.torque_constant.0 <= 0.0;
         let mut plate = Nameplate {
             motor: self.motor(),
-            rated_current: Some(self.found.current),
+            rated_current: Some(CALM * self.found.current),
             // A supply of 18 V may read a little less.
             supply: if self.found.supply > 0.99 * LEAST {
                 fmax(self.found.supply, LEAST)
@@ -516,7 +522,8 @@ impl Identification {
             },
             open_loop_speed: None,
         };
-        let mut commissioning = plate.commission_on(&board, mode, None);
+        let most = STRONGEST * self.asked.current.unwrap_or(CONTINUOUS);
+        let mut commissioning = plate.commission_within(&board, mode, None, most);
         for _ in 0..GUESSES {
             if matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
                 if unknown {
@@ -526,7 +533,7 @@ impl Identification {
                     // It turns faster with less torque.
                     plate.rated_current = plate.rated_current.map(|current| current / 2.0);
                 }
-                commissioning = plate.commission_on(&board, mode, None);
+                commissioning = plate.commission_within(&board, mode, None, most);
             }
         }
         let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;

@@ -102,10 +102,8 @@ struct Trial {
     temperatures: [f64; 2],
     /// s.
     time: f64,
-    /// Time of each of [`STAGES`], s.
-    stages: [f64; 3],
-    /// Largest phase current, A.
-    peak: f64,
+    /// Time, s, and largest phase current, A, of each of [`STAGES`].
+    stages: [(f64, f64); STAGES.len()],
 }
 
 /// A measured figure and its stated uncertainty, over the true one.
@@ -138,8 +136,8 @@ impl Trial {
         let mut bench = Bench::new(&config).without_recording();
         let mut master = Master::new(Config::default());
         let mut identification = Identification::new(Asked::new(motor.pole_pairs)).expect("a pole pair");
-        let (mut outcome, mut held, mut peak) = (None, None, 0.0_f64);
-        let mut stages = [0.0; STAGES.len()];
+        let (mut outcome, mut held) = (None, None);
+        let mut stages = [(0.0, 0.0_f64); STAGES.len()];
         while outcome.is_none() && bench.time() < BOOTED + LONGEST {
             let now = bench.now_ns() / 1000;
             if bench.time() > BOOTED {
@@ -154,10 +152,10 @@ impl Trial {
             let stage = STAGES.iter().position(|stage| *stage == identification.stage());
             for _ in 0..5 {
                 bench.step();
-                if let Some(stage) = stage {
-                    stages[stage] += 1.0 / f64::from(board.tick_rate);
+                if let Some((time, peak)) = stage.map(|stage| &mut stages[stage]) {
+                    *time += 1.0 / f64::from(board.tick_rate);
+                    *peak = peak.max(bench.plant().peak_current());
                 }
-                peak = peak.max(bench.plant().peak_current());
             }
             while let Some(received) = bench.receive() {
                 master.handle_frame(&received.frame, received.time_ns / 1000);
@@ -173,7 +171,6 @@ impl Trial {
             temperatures: [held.unwrap_or(end), end],
             time: bench.time() - BOOTED,
             stages,
-            peak,
         }
     }
 
@@ -199,6 +196,11 @@ impl Trial {
         Some(ratios)
     }
 
+    /// Largest phase current, A.
+    fn peak(&self) -> f64 {
+        self.stages.iter().fold(0.0, |most, (_, peak)| peak.max(most))
+    }
+
     fn line(&self) -> String {
         let result = match (&self.outcome, self.ratios()) {
             (_, Some(ratios)) => {
@@ -207,7 +209,7 @@ impl Trial {
             (Some(Err(error)), _) => error.to_string(),
             _ => "has not ended".to_owned(),
         };
-        format!("{:28} {:5.1} s  {:4.1} A  {result}", self.name, self.time, self.peak)
+        format!("{:28} {:5.1} s  {:4.1} A  {result}", self.name, self.time, self.peak())
     }
 }
 
@@ -227,21 +229,21 @@ fn summarise(name: &str, trials: &[Trial]) {
             spread(&mut sorted, "")
         );
     }
-    let time = |of: &dyn Fn(&Trial) -> f64| spread(&mut trials.iter().map(of).collect::<Vec<f64>>(), " s");
+    let over = |of: &dyn Fn(&Trial) -> f64, unit: &str| {
+        spread(&mut trials.iter().map(of).collect::<Vec<f64>>(), unit)
+    };
     let ended = trials.iter().filter(|trial| trial.ratios().is_some());
     let soon = ended.filter(|trial| trial.time <= TIME).count();
     println!(
         "time: {}; of the identified within {TIME} s: {:.1} %",
-        time(&|trial| trial.time),
+        over(&|trial| trial.time, " s"),
         100.0 * soon as f64 / measured.len().max(1) as f64
     );
     for (place, stage) in STAGES.iter().enumerate() {
-        println!("{}: {}", stage.name(), time(&|trial| trial.stages[place]));
+        println!("{}: {}", stage.name(), over(&|trial| trial.stages[place].0, " s"));
+        println!("  peak current: {}", over(&|trial| trial.stages[place].1, " A"));
     }
-    println!(
-        "peak current: {}",
-        spread(&mut trials.iter().map(|trial| trial.peak).collect::<Vec<f64>>(), " A")
-    );
+    println!("peak current: {}", over(&Trial::peak, " A"));
 }
 
 /// Median, 95th percentile and maximum.

@@ -20,45 +20,45 @@ const COUNT: usize = 28;
 /// Origin of a signal's value, by rising cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Source {
-    /// The bench and its plant have it.
-    AtHand,
-    /// The shaft's exact speed and angle, [`Plant::shaft`](crate::plant::Plant::shaft).
-    Shaft,
+    /// Motor, supply and duty.
+    Motor,
+    /// What the drive says, and what follows from the shaft's angle.
+    Drive,
     /// All that a plant can tell, [`Plant::observe`](crate::plant::Plant::observe).
     Observed,
 }
-use Source::{AtHand, Observed, Shaft};
+use Source::{Drive, Motor, Observed};
 
 /// Signals of a bench's trace, and where each comes from: the fixed columns of `run.csv` first.
 const TABLE: [(Signal, Source); COUNT] = [
-    (Signal::double("time", "s"), AtHand),
-    (Signal::single("setpoint", "rpm"), AtHand),
-    (Signal::single("speed", "rpm"), Shaft),
-    (Signal::single("speed_estimated", "rpm"), AtHand),
-    (Signal::single("state", ""), AtHand),
-    (Signal::single("sector", ""), Shaft),
-    (Signal::single("duty", ""), AtHand),
-    (Signal::single("current_a", "A"), AtHand),
-    (Signal::single("current_b", "A"), AtHand),
-    (Signal::single("current_c", "A"), AtHand),
-    (Signal::single("bus_current", "A"), AtHand),
-    (Signal::single("bus_voltage", "V"), AtHand),
-    (Signal::single("torque", "N m"), AtHand),
+    (Signal::double("time", "s"), Motor),
+    (Signal::single("setpoint", "rpm"), Drive),
+    (Signal::single("speed", "rpm"), Motor),
+    (Signal::single("speed_estimated", "rpm"), Drive),
+    (Signal::single("state", ""), Drive),
+    (Signal::single("sector", ""), Drive),
+    (Signal::single("duty", ""), Motor),
+    (Signal::single("current_a", "A"), Motor),
+    (Signal::single("current_b", "A"), Motor),
+    (Signal::single("current_c", "A"), Motor),
+    (Signal::single("bus_current", "A"), Motor),
+    (Signal::single("bus_voltage", "V"), Motor),
+    (Signal::single("torque", "N m"), Motor),
     (Signal::single("voltage_a", "V"), Observed),
     (Signal::single("voltage_b", "V"), Observed),
     (Signal::single("voltage_c", "V"), Observed),
-    (Signal::single("angle", "deg"), Shaft),
-    (Signal::single("hall", ""), AtHand),
-    (Signal::single("step", ""), AtHand),
-    (Signal::single("limiter", ""), AtHand),
-    (Signal::double("faults", ""), AtHand),
+    (Signal::single("angle", "deg"), Drive),
+    (Signal::single("hall", ""), Drive),
+    (Signal::single("step", ""), Drive),
+    (Signal::single("limiter", ""), Drive),
+    (Signal::double("faults", ""), Drive),
     (Signal::double("position", "rad"), Observed),
     (Signal::double("energy_in", "J"), Observed),
     (Signal::double("energy_shaft", "J"), Observed),
-    (Signal::single("winding_temperature", "degC"), AtHand),
-    (Signal::single("peak_current", "A"), AtHand),
-    (Signal::single("crossing", ""), AtHand),
-    (Signal::single("crossing_margin", "deg"), AtHand),
+    (Signal::single("winding_temperature", "degC"), Drive),
+    (Signal::single("peak_current", "A"), Drive),
+    (Signal::single("crossing", ""), Drive),
+    (Signal::single("crossing_margin", "deg"), Drive),
 ];
 
 /// Signals of a bench's trace, in the order of its columns.
@@ -104,7 +104,7 @@ impl Kept {
         let (signals, singles, doubles) = Default::default();
         let every = every.get();
         let mut kept =
-            Self { signals, singles, doubles, source: AtHand, rows: 0, room: 0, every, left: every };
+            Self { signals, singles, doubles, source: Motor, rows: 0, room: 0, every, left: every };
         for (place, (signal, source)) in places.filter_map(|place| Some((place, TABLE.get(place)?))) {
             kept.signals.push(*signal);
             kept.source = kept.source.max(*source);
@@ -219,24 +219,20 @@ impl Bench {
     /// The values at the end of a tick; 0 for those of a dearer source than `source`.
     #[inline]
     fn row(&self, source: Source) -> [f64; COUNT] {
-        let (plant, drive, status) = (&self.plant, self.device.drive(), self.status());
-        let (speed, turns) = if source >= Shaft {
-            let shaft = plant.shaft();
-            (shaft.speed, shaft.electrical_turns)
-        } else {
-            (0.0, 0.0)
-        };
-        let turn = turns - libm::floor(turns);
+        let plant = &self.plant;
+        let shaft = plant.shaft();
+        let turn =
+            if source >= Drive { shaft.electrical_turns - libm::floor(shaft.electrical_turns) } else { 0.0 };
+        let drive = |value: fn(&Self) -> f64| if source >= Drive { value(self) } else { 0.0 };
         let seen = (source >= Observed).then(|| plant.observe());
         let seen = |value: fn(&Observation) -> f64| seen.as_ref().map_or(0.0, value);
         let [current_a, current_b, current_c] = plant.current();
-        let (crossing, margin, _) = drive.crossing();
         [
             plant.time(),
-            self.rpm(status.setpoint),
-            speed * 60.0 / core::f64::consts::TAU,
-            self.rpm(self.estimated()),
-            f64::from(drive.state() as u8),
+            drive(|bench| bench.rpm(bench.status().setpoint)),
+            shaft.speed * 60.0 / core::f64::consts::TAU,
+            drive(|bench| bench.rpm(bench.estimated())),
+            drive(|bench| f64::from(bench.device.drive().state() as u8)),
             f64::from(sector_of(ElectricalAngle((turn * 65_536.0) as u16))),
             f64::from(self.command.duty.to_bits()) / 32_768.0,
             current_a,
@@ -249,22 +245,22 @@ impl Bench {
             seen(|seen| seen.terminal[1]),
             seen(|seen| seen.terminal[2]),
             turn * 360.0,
-            f64::from(self.hall),
-            f64::from(self.command.step as u8),
-            f64::from(drive.limiter() as u8),
-            f64::from(status.faults.bits()),
+            drive(|bench| f64::from(bench.hall)),
+            drive(|bench| f64::from(bench.command.step as u8)),
+            drive(|bench| f64::from(bench.device.drive().limiter() as u8)),
+            drive(|bench| f64::from(bench.status().faults.bits())),
             seen(|seen| seen.angle),
             seen(|seen| seen.ledger.source),
             seen(|seen| seen.ledger.shaft),
-            plant.winding_temperature(),
-            plant.peak_current(),
-            f64::from(crossing as u8),
-            f64::from(margin) * DEGREES,
+            drive(|bench| bench.plant.winding_temperature()),
+            drive(|bench| bench.plant.peak_current()),
+            drive(|bench| f64::from(bench.device.drive().crossing().0 as u8)),
+            drive(|bench| f64::from(bench.device.drive().crossing().1) * DEGREES),
         ]
     }
 
     fn rpm(&self, speed: ElectricalSpeed) -> f64 {
-        f64::from(speed.to_bits()) / 65_536.0 * 60.0 / self.pole_pairs
+        f64::from(speed.to_bits()) * self.rpm_per_bit
     }
 
     /// Speed that the drive estimates, of hall sensors or back-EMF.
