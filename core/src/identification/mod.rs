@@ -136,7 +136,7 @@ const SPINS: u8 = 6;
 /// lags less behind it.
 const CALM: f64 = 0.6;
 /// A start takes this share of the largest current: a rotor that is held swings, and its back-EMF adds to it.
-const STRONGEST: f64 = 0.7;
+const STRONGEST: f64 = 0.5;
 
 /// Rows of a lock's record after the stop.
 const AFTER: u16 = 200;
@@ -254,8 +254,10 @@ impl Identification {
                         && !self.retries
                         && !is_open_phase(&job) =>
                 {
-                    // Nothing is known of this motor yet: another start, at another speed.
+                    // Nothing is known of this motor yet: another start, at another speed, as if the rotor
+                    // were lighter or heavier.
                     self.last = Some(error);
+                    self.failed = (self.failed + 1) % MECHANICAL_TIME.len();
                     self.retries = true;
                     self.script.give_up(master);
                     self.script.record.begin(&TERMINALS, 1.0);
@@ -612,7 +614,7 @@ impl Identification {
             // The drive turns no faster: this is what there is.
             self.script.drop_all(master);
         }
-        (self.found.coast, self.stage, self.round) = (Some(coast), Stage::Accelerates, 0);
+        (self.found.coast, self.stage, self.round, self.failed) = (Some(coast), Stage::Accelerates, 0, 0);
         self.found.speed = fmin(fmax(before, 1.0), most);
         Ok(())
     }
