@@ -44,7 +44,7 @@ pub struct narx_identification_config_t {
     /// Resistance of two switches of the drive, ohm, below 1; default that of narx's own board, 0.04. It is
     /// taken off what is measured.
     pub bridge: f64,
-    /// Pole pairs, 1 to 50; default 0: they cannot be seen in volts and amperes.
+    /// Pole pairs, 1 to 50; 0, the default: they are counted, with narx_identification_mark.
     pub pole_pairs: u8,
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     pub hold: u8,
@@ -89,7 +89,7 @@ pub struct narx_identified_t {
     pub viscous_friction: f64,
     /// Speed to which `friction` belongs, the largest that was used, rad/s.
     pub speed: f64,
-    /// Pole pairs, as given.
+    /// Pole pairs, as given or as counted.
     pub pole_pairs: u8,
     /// Not 0: the rotor has turned.
     pub turned: u8,
@@ -119,18 +119,21 @@ pub enum narx_identification_stage_t {
     Calibrates = 4,
     /// Stops the motor and restores the parameters.
     Restores = 5,
+    /// Turns the rotor slowly, in steps, and waits for narx_identification_mark: pole pairs. It comes after
+    /// Holds.
+    Counts = 6,
 }
 
-/// Writes the default configuration, as a start for your own: only the pole pairs are missing.
+/// Writes the default configuration, as a start for your own. Its pole pairs are counted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_identification_config_default(
     config: *mut narx_identification_config_t,
 ) -> narx_status_t {
-    let Asked { pole_pairs, current, bridge, turn, halls } = Asked::new(0);
+    let Asked { pole_pairs, current, bridge, turn, halls } = Asked::new(None);
     let plain = narx_identification_config_t {
         current: current.unwrap_or(0.0),
         bridge,
-        pole_pairs,
+        pole_pairs: pole_pairs.unwrap_or(0),
         hold: (!turn).into(),
         halls: halls.into(),
     };
@@ -158,7 +161,7 @@ pub unsafe extern "C" fn narx_identification_init(
     let run = || unsafe {
         let config = pointer::read(config)?;
         let asked = Asked {
-            pole_pairs: config.pole_pairs,
+            pole_pairs: (config.pole_pairs != 0).then_some(config.pole_pairs),
             current: (config.current != 0.0).then_some(config.current),
             bridge: config.bridge,
             turn: config.hold == 0,
@@ -213,12 +216,29 @@ pub unsafe extern "C" fn narx_identification_stage(
         let number = match handle::object(identification)?.identification.stage() {
             Stage::Asks => Number::Asks,
             Stage::Holds => Number::Holds,
+            Stage::Counts => Number::Counts,
             Stage::Spins => Number::Spins,
             Stage::Accelerates => Number::Accelerates,
             Stage::Calibrates => Number::Calibrates,
             Stage::Restores => Number::Restores,
         };
         pointer::write(stage, number as u8)
+    };
+    pointer::status(run())
+}
+
+/// A mark on the shaft passes the same place as the last time, at `now`, microseconds: while the rotor turns
+/// slowly, in the stage Counts, three of these tell the pole pairs. Returns NARX_ERROR_WRONG_STATE, and
+/// nothing happens, at any other time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_identification_mark(
+    identification: *mut narx_identification_t,
+    now: u64,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let counts = handle::object(identification)?.identification.mark(now);
+        counts.then_some(()).ok_or(NARX_ERROR_WRONG_STATE)
     };
     pointer::status(run())
 }
@@ -290,9 +310,11 @@ impl From<IdentificationError> for narx_status_t {
     fn from(error: IdentificationError) -> Self {
         use IdentificationError as Error;
         match error {
-            Error::PolePairs(_) | Error::Current(_) | Error::Bridge(_) | Error::HeldHalls => {
-                NARX_ERROR_ARGUMENT
-            }
+            Error::PolePairs(_)
+            | Error::Current(_)
+            | Error::Bridge(_)
+            | Error::HeldHalls
+            | Error::HeldPolePairs => NARX_ERROR_ARGUMENT,
             Error::Rate(_) => NARX_ERROR_BOARD,
             Error::Value(_) => NARX_ERROR_OUT_OF_RANGE,
             Error::NotInStandby(_) => NARX_ERROR_WRONG_STATE,
@@ -301,7 +323,7 @@ impl From<IdentificationError> for narx_status_t {
             Error::NoMotor { .. } => NARX_ERROR_NO_MOTOR,
             Error::Short { .. } => NARX_ERROR_SHORT,
             Error::Sags { .. } => NARX_ERROR_SAGS,
-            Error::Unsteady(_) => NARX_ERROR_UNSTEADY,
+            Error::Unsteady(_) | Error::NotMarked { .. } | Error::NotCounted { .. } => NARX_ERROR_UNSTEADY,
             Error::NoBackEmf { .. } => NARX_ERROR_NO_BACK_EMF,
             Error::NotReached { .. } => NARX_ERROR_NOT_REACHED,
             Error::NoRoom { .. } => NARX_ERROR_NO_ROOM,

@@ -355,22 +355,25 @@ class Drive:
 
     def identify(
         self,
-        pole_pairs: int,
+        pole_pairs: int | None = None,
         current: float | None = None,
         bridge: float | None = None,
         turn: bool = True,
         halls: bool = False,
         progress: Callable[[str], None] | None = None,
+        mark: Callable[[], bool] | None = None,
     ) -> Identified:
         """Measures the motor's resistance, inductance, torque constant, inertia and friction: within some 15 s
         the drive holds the rotor, spins it, lets it coast and accelerates it.
 
-        pole_pairs cannot be seen in volts and amperes. current: largest phase current, A; without it the one
+        pole_pairs cannot be seen in volts and amperes. Without them the drive turns the rotor slowly, in steps,
+        and asks `mark` again and again: it returns True when a mark on the shaft passes the same place as the
+        last time, because somebody sees it, or an encoder or a TX-Driver does. Three of these tell them. current: largest phase current, A; without it the one
         whose heat in the winding is 6 W, 6 A at most. bridge: resistance of two switches of the drive, ohm;
         without it that of narx's own board, 0.04. turn: False holds the rotor and measures resistance and
         inductance alone. halls: True calibrates the hall sensors, too, which takes some 5 s more; the drive keeps
-        their order, polarity and offset. progress: called with the stage, "asking", "holding", "spinning",
-        "accelerating", "calibrating", "restoring".
+        their order, polarity and offset. progress: called with the stage, "asking", "holding", "counting",
+        "spinning", "accelerating", "calibrating", "restoring".
 
         The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
         parameter but those of scope and hall sensors has its former value, also after an error or Ctrl-C. Before k is known the rotor
@@ -379,7 +382,7 @@ class Drive:
         turn, and for a drive that is not in Standby.
         """
         self._refuse_silence()
-        return identify(self._link, pole_pairs, current, bridge, turn, halls, progress)
+        return identify(self._link, pole_pairs, current, bridge, turn, halls, progress, mark)
 
     def auto_calibrate(self) -> None:
         """Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Any
 
 from narx import _core, given
-from narx.errors import NarxError, RefusedError
+from narx.errors import NarxError, ParameterError, RefusedError
 from narx.link import Link
 
 POLL = 0.005
@@ -112,6 +112,7 @@ class Identified:
             for name, figure, scale, unit in rows
             if figure is not None
         ]
+        lines.insert(0, f"{'pole pairs':16} {self.pole_pairs:10d}")
         if self.temperature is not None:
             lines.append(f"{'ambient':16} {self.temperature:10.1f} degC")
         if self.halls is not None:
@@ -121,14 +122,17 @@ class Identified:
 
 def identify(
     link: Link,
-    pole_pairs: int,
+    pole_pairs: int | None,
     current: float | None,
     bridge: float | None,
     turn: bool,
     halls: bool,
     progress: Callable[[str], None] | None,
+    mark: Callable[[], bool] | None,
 ) -> Identified:
     """Identifies the motor; see `narx.Drive.identify`."""
+    if pole_pairs is None and mark is None and turn:
+        raise ParameterError("pole_pairs is missing: give it, or mark, with which the drive counts them")
     identification = _core.Identification(pole_pairs, current, bridge, turn, halls)
     stage = ""
     try:
@@ -136,6 +140,8 @@ def identify(
             if progress is not None and identification.stage != stage:
                 stage = identification.stage
                 progress(stage)
+            if identification.stage == "counting" and mark is not None and mark():
+                identification.mark(link.master)
             link.wake()
             link.wait(lambda: False, POLL)
     finally:

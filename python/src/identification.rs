@@ -13,18 +13,18 @@ pub(crate) struct Identification(Mutex<Core>);
 
 #[pymethods]
 impl Identification {
-    /// current: largest phase current, A, `None` for a heat of 6 W. bridge: resistance of two switches, ohm,
+    /// pole_pairs: `None` if they are counted. current: largest phase current, A, `None` for a heat of 6 W. bridge: resistance of two switches, ohm,
     /// `None` for that of narx's own board. turn: the rotor may turn. halls: the hall sensors are calibrated.
     #[new]
     #[pyo3(signature = (pole_pairs, current, bridge, turn, halls))]
     fn new(
-        pole_pairs: Given,
+        pole_pairs: Option<Given>,
         current: Option<Given>,
         bridge: Option<Given>,
         turn: bool,
         halls: bool,
     ) -> PyResult<Self> {
-        let pole_pairs = error::whole("pole_pairs", pole_pairs, "", 1, 50)?;
+        let pole_pairs = pole_pairs.map(|value| error::whole("pole_pairs", value, "", 1, 50)).transpose()?;
         let mut asked = Asked { turn, halls, ..Asked::new(pole_pairs) };
         if let Some(current) = current {
             asked.current = Some(error::magnitude("current", current, "A")?);
@@ -35,7 +35,7 @@ impl Identification {
         Core::new(asked).map(|core| Self(Mutex::new(core))).map_err(error::parameter)
     }
 
-    /// Part that is under way: "asking", "holding", "spinning", "accelerating", "calibrating" or
+    /// Part that is under way: "asking", "holding", "counting", "spinning", "accelerating", "calibrating" or
     /// "restoring".
     #[getter]
     fn stage(&self) -> &'static str {
@@ -84,6 +84,11 @@ impl Identification {
             figures.set_item("halls", (order, polarity, offset))?;
         }
         Ok(Some(figures))
+    }
+
+    /// A mark on the shaft passes the same place as the last time. False if turns are not counted now.
+    fn mark(&self, py: Python<'_>, master: &Master) -> bool {
+        master.with(py, |_, now| self.0.lock().unwrap_or_else(PoisonError::into_inner).mark(now))
     }
 
     /// Ends it: the motor stops, and the parameters get their values back in the steps that follow.

@@ -108,7 +108,12 @@ static void refusals(narx_identification_config_t config)
     narx_identified_t found;
     char text[200];
 
+    /* Pole pairs of a rotor that is held are not counted. */
+    config.hold = 1;
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);
+    config.hold = 0;
+    CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_OK);
+    CHECK(narx_identification_mark(&identification, 0) == NARX_ERROR_WRONG_STATE);
     config.pole_pairs = 4;
     config.current = 6.5;
     CHECK(narx_identification_init(&identification, sizeof identification, &config) == NARX_ERROR_ARGUMENT);

@@ -9,6 +9,7 @@ use narx_core::motor::guard::fault::Cause;
 use narx_core::motor::{Board, State};
 use narx_sim::plant::{HallConfig, Injection, MotorConfig, Phase, PlantConfig};
 use narx_sim::presets::preset;
+use std::f64::consts::TAU;
 
 /// Longest identification, s.
 const LONGEST: f64 = 30.0;
@@ -81,6 +82,59 @@ fn a_motor_without_a_data_sheet_is_measured() {
     assert_eq!(values(&mut rig), before, "every parameter has its value back");
     // Half of the nominal speed at most.
     assert!(turned.speed < 0.5 * 18.0 / truth.torque_constant, "{}", turned.speed);
+}
+
+/// Somebody sees a mark on the shaft pass, a little late each time, and says so.
+fn marking(late: f64) -> impl FnMut(&mut Rig, &mut Identification) {
+    let (mut passed, mut due) = (0.0, f64::INFINITY);
+    move |rig, identification| {
+        let turns = (rig.bench.plant().observe().angle / TAU).abs().floor();
+        if turns > passed && identification.stage() == Stage::Counts {
+            due = rig.bench.time() + late * if turns % 2.0 == 0.0 { 1.0 } else { 0.5 };
+        }
+        passed = turns;
+        if rig.bench.time() > due {
+            identification.mark(rig.bench.now_ns() / 1000);
+            due = f64::INFINITY;
+        }
+    }
+}
+
+#[test]
+fn pole_pairs_are_counted_by_a_mark_on_the_shaft() {
+    for (name, supply) in [("ec45-flat-50w-18v", 18.0), ("bly172s-24v", 24.0), ("ec-max40-120w-48v", 48.0)] {
+        let motor = preset(name).unwrap().motor;
+        for late in [0.0, 0.25] {
+            let mut rig = Rig::of(PlantConfig::new(motor, supply), Parameters::new(), Config::default());
+            rig.until(State::Standby);
+            let found = identify(&mut rig, Asked::new(None), marking(late)).unwrap();
+            assert_eq!(found.pole_pairs, motor.pole_pairs, "{name}, {late} s late");
+            within(found.turned.unwrap().torque_constant, motor.torque_constant, 0.03);
+        }
+    }
+}
+
+#[test]
+fn marks_that_tell_no_whole_number_are_refused() {
+    let mut rig = rig();
+    let before = values(&mut rig);
+    assert!(!Identification::new(Asked::new(8)).unwrap().mark(0), "nothing is counted before it turns");
+    let mut next = 0.0;
+    let error = identify(&mut rig, Asked::new(None), |rig, identification| {
+        // Every 1.25 s: two and a half revolutions of the field.
+        if rig.bench.time() > next && identification.mark(rig.bench.now_ns() / 1000) {
+            next = rig.bench.time() + 1.25;
+        }
+    })
+    .unwrap_err();
+    assert!(matches!(error, IdentificationError::NotCounted { .. }), "{error:?}");
+    insta::assert_snapshot!(
+        error,
+        @"the marks tell 2.50 electrical revolutions a turn: pole pairs are a whole number, 1 to 50"
+    );
+    assert_eq!(values(&mut rig), before);
+    let held = Identification::new(Asked { turn: false, ..Asked::new(None) });
+    assert_eq!(held.unwrap_err(), IdentificationError::HeldPolePairs);
 }
 
 /// A small motor takes 5 to 20 mA of a channel whose steps are 8 mA and whose zero is known to 1 mA.
@@ -294,8 +348,8 @@ fn a_motor_that_runs_is_left_alone() {
 fn what_cannot_be_asked_is_refused() {
     let asked = Asked::new(4);
     for (asked, expected) in [
-        (Asked { pole_pairs: 0, ..asked }, "pole pairs 0 are outside 1 to 50"),
-        (Asked { pole_pairs: 51, ..asked }, "pole pairs 51 are outside 1 to 50"),
+        (Asked::new(0), "pole pairs 0 are outside 1 to 50"),
+        (Asked::new(51), "pole pairs 51 are outside 1 to 50"),
         (Asked { current: Some(0.0), ..asked }, "largest current 0 A must be above 0 and at most 6 A"),
         (Asked { current: Some(f64::NAN), ..asked }, "largest current NaN A must be above 0 and at most 6 A"),
         (

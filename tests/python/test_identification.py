@@ -1,5 +1,6 @@
 """Tests of the identification of a motor by its drive."""
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Literal
@@ -107,3 +108,23 @@ def test_what_is_wrong_has_a_name() -> None:
         bench.drive.identify(8, current=7)
     with pytest.raises(narx.ParameterError, match="only if the rotor may turn"):
         bench.drive.identify(8, turn=False, halls=True)
+
+
+def test_pole_pairs_are_counted_by_marks() -> None:
+    """Somebody sees a mark on the bench's shaft pass."""
+    bench = narx.Bench(NAME, recording=False)
+    stages: list[str] = []
+    turns = 0
+
+    def mark() -> bool:
+        nonlocal turns
+        position = bench.run(1e-4, signals=["position"])["position"][-1]
+        before, turns = turns, int(abs(position) / math.tau)
+        return turns > before
+
+    found = bench.drive.identify(progress=stages.append, mark=mark)
+    assert found.pole_pairs == 8 and stages[:4] == ["asking", "holding", "counting", "spinning"]
+    with pytest.raises(narx.ParameterError, match="pole_pairs is missing"):
+        bench.drive.identify()
+    with pytest.raises(narx.ParameterError, match="only if the rotor may turn"):
+        bench.drive.identify(turn=False)

@@ -65,6 +65,23 @@ test("a drive measures its motor, puts its parameters back, and is commissioned 
     assert.equal(drive.stateName, "Sensorless Closed-loop");
 });
 
+test("pole pairs are counted by a mark on the shaft", async () => {
+    const { pump, drive, bench } = await booted();
+    assert.equal(drive.mark(), false, "nothing is counted yet");
+    const stages = [];
+    let turns = 0;
+    const look = () => {
+        const before = turns;
+        turns = Math.floor(Math.abs(bench.observe().angle) / (2 * Math.PI));
+        if (turns > before && stages.at(-1) === "counting") {
+            assert.ok(drive.mark());
+        }
+    };
+    const found = await pump.run(drive.identify({}, (stage) => stages.push(stage)), look);
+    assert.equal(found.polePairs, 4);
+    assert.deepEqual(stages.slice(0, 4), ["asking", "holding", "counting", "spinning"]);
+});
+
 test("hall sensors are calibrated on request, and the drive keeps their wiring", async () => {
     const { pump, drive } = await booted();
     const stages = [];
@@ -145,7 +162,7 @@ test("requests that were made before are answered first, and a start under way i
 test("an end without figures has its reason", async () => {
     const { pump, drive, bench } = await booted();
     for (const [options, name, message] of [
-        [{}, "TypeError", "identify: polePairs is missing"],
+        [{ turn: false }, "RangeError", "pole pairs are counted only if the rotor may turn"],
         [{ polePairs: 0 }, "RangeError", "identify: polePairs 0: must be a whole number from 1 to 50"],
         [{ polePairs: 4, current: 7 }, "RangeError", "largest current 7 A must be above 0 and at most 6 A"],
         [{ polePairs: 4, bridge: 1 }, "RangeError", "resistance of the bridge 1 ohm must be 0 or more and below 1 ohm"],

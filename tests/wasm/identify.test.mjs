@@ -37,7 +37,10 @@ function figures(page) {
 test("a motor is measured, saved as a motor file, and the drive commissioned from it runs without sensors", async () => {
     const { page, complaints } = await operate(browser, "identify");
     const why = page.locator("#identify-why");
-    await why.getByText("Enter the pole pairs.").waitFor();
+    await why.getByText("Confirm that the motor is ready.").waitFor();
+    await page.locator("#identify-turn").uncheck();
+    await why.getByText("Enter the pole pairs: without turns they are not counted.").waitFor();
+    await page.locator("#identify-turn").check();
     await page.locator("#pole-pairs").fill("4.5");
     await page.locator("#pole-pairs").press("Tab");
     await page.locator("#pole-pairs-problem").getByText("Pole pairs: 4.5: must be a whole number from 1 to 50.").waitFor();
@@ -89,6 +92,26 @@ test("a motor is measured, saved as a motor file, and the drive commissioned fro
     await page.locator("#power-up").click();
     await go(page, "identify");
     await page.getByText("The figures are those of another connection: Virtual drive, bly172s-24v.").waitFor();
+    assert.deepEqual(complaints, []);
+});
+
+test("pole pairs are counted with a mark that the user sees pass", async () => {
+    const { page, complaints } = await operate(browser, "identify");
+    await page.locator("#identify-ready").check();
+    await page.locator("#identify:enabled").click();
+    await page.locator("#mark-turn").waitFor(LONG);
+    assert.deepEqual(await violations(page), []);
+    // Four pole pairs in a field of two revolutions a second: a turn takes 2 s of the drive's time.
+    const stage = page.locator("#identify-stage");
+    const begun = Number.parseInt((await stage.textContent()).split(", ")[1], 10) + 3;
+    for (const [marks, second] of [begun, begun + 2, begun + 4].entries()) {
+        await stage.getByText(`Counting, ${second} s`).waitFor(LONG);
+        await page.getByText(`${marks} of 3.`).waitFor();
+        await page.locator("#mark-turn").click();
+    }
+    await page.locator("#identified").waitFor(LONG);
+    const file = await saved(page, () => page.locator("#save-motor").click());
+    assert.match(file.bytes.toString(), /\npole_pairs = 4\n/);
     assert.deepEqual(complaints, []);
 });
 

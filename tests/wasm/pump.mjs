@@ -30,8 +30,8 @@ export class Pump {
         }
     }
 
-    /** Lets time pass until a promise settles. */
-    async run(promise) {
+    /** Lets time pass until a promise settles; calls `look` each time. */
+    async run(promise, look = () => {}) {
         let settled = false;
         const end = () => {
             settled = true;
@@ -39,6 +39,7 @@ export class Pump {
         promise.then(end, end);
         for (let periods = 0; !settled && periods < 120_000; periods++) {
             this.step();
+            look();
             // What waits for an answer may ask the next question.
             await new Promise(setImmediate);
         }

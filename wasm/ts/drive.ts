@@ -347,6 +347,12 @@ export class Drive {
         return this.#link.identify(options, progress);
     }
 
+    /** A mark on the shaft passes the same place as the last time: three of these tell the pole pairs of an identification without
+     * them, in its stage "counting". False, and nothing happens, at any other time. */
+    mark(): boolean {
+        return this.#link.mark();
+    }
+
     /** True while the motor is being identified. */
     get identifies(): boolean {
         return this.#link.identifies;

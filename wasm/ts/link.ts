@@ -162,6 +162,11 @@ export class Link {
         });
     }
 
+    /** A mark on the shaft passes: false if its turns are not counted now. */
+    mark(): boolean {
+        return this.#measuring?.identification.mark(this.master) ?? false;
+    }
+
     /** Ends the identification that is under way: the motor stops, and the parameters get their former values. */
     abortIdentification(): void {
         this.#measuring?.identification.abort(this.master);

@@ -20,6 +20,20 @@ pub enum IdentificationError {
     Bridge(f64),
     /// Hall sensors of a rotor that must not turn.
     HeldHalls,
+    /// Pole pairs that were not given, of a rotor that must not turn.
+    HeldPolePairs,
+    /// The turns of the rotor were not marked in time.
+    NotMarked {
+        /// Marks so far.
+        marks: u8,
+        /// Marks that are needed.
+        needed: u8,
+    },
+    /// The marks tell no whole number of pole pairs, or one outside 1 to 50.
+    NotCounted {
+        /// Electrical revolutions a turn.
+        counted: f64,
+    },
     /// A PWM rate that no board has, Hz.
     Rate(u32),
     /// A value that a parameter of the drive cannot have.
@@ -97,6 +111,15 @@ impl fmt::Display for IdentificationError {
                 write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
             Self::HeldHalls => f.write_str("hall sensors are calibrated only if the rotor may turn"),
+            Self::HeldPolePairs => f.write_str("pole pairs are counted only if the rotor may turn"),
+            Self::NotMarked { marks, needed } => {
+                write!(f, "the turns of the rotor were marked {marks} times, not {needed}: does it turn?")
+            }
+            Self::NotCounted { counted } => write!(
+                f,
+                "the marks tell {} electrical revolutions a turn: pole pairs are a whole number, 1 to 50",
+                Shown::Rounded(counted, 2)
+            ),
             Self::Rate(rate) => write!(f, "a PWM rate of {rate} Hz is not one of this drive"),
             Self::Value(error) => error.fmt(f),
             Self::NotInStandby(Some(state)) => {

@@ -6,8 +6,9 @@ use crate::motor::Board;
 /// Facts that the user knows of the motor, and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
-    /// Pole pairs, 1 to 50.
-    pub pole_pairs: u8,
+    /// Pole pairs, 1 to 50. `None`: the rotor turns slowly, and somebody, or an encoder, marks its turns:
+    /// [`mark`](super::Identification::mark).
+    pub pole_pairs: Option<u8>,
     /// Largest phase current, A; without it the one whose heat in the winding is 6 W, 6 A at most.
     pub current: Option<f64>,
     /// Resistance of the bridge: two switches, ohm. It is taken off what is measured.
@@ -19,10 +20,10 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// A motor with these pole pairs on the bridge of the simulated board.
-    pub fn new(pole_pairs: u8) -> Self {
+    /// A motor with these pole pairs on the bridge of the simulated board; `None` if they are to be counted.
+    pub fn new(pole_pairs: impl Into<Option<u8>>) -> Self {
         let bridge = f64::from(Board::BENCH.bridge_milliohm) / 1e3;
-        Self { pole_pairs, current: None, bridge, turn: true, halls: false }
+        Self { pole_pairs: pole_pairs.into(), current: None, bridge, turn: true, halls: false }
     }
 }
 
@@ -38,7 +39,7 @@ pub struct Figure {
 /// The measured figures, at the temperature of the motor at that time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Identified {
-    /// Pole pairs, as given.
+    /// Pole pairs, as given or as counted.
     pub pole_pairs: u8,
     /// Ambient temperature at the drive when the measurement began, degrees Celsius: that of a motor that has
     /// rested in the same room. `None` if the drive does not broadcast it.
@@ -108,6 +109,8 @@ pub enum Stage {
     Asks,
     /// Holds the rotor: resistance and inductance.
     Holds,
+    /// Turns the rotor slowly, in steps, and waits for [marks](super::Identification::mark): pole pairs.
+    Counts,
     /// Turns the rotor and lets it coast: back-EMF constant.
     Spins,
     /// Accelerates it and lets it coast: inertia and friction.
@@ -119,11 +122,12 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name: `asking`, `holding`, `spinning`, `accelerating`, `calibrating`, `restoring`.
+    /// Its name: `asking`, `holding`, `counting`, `spinning`, `accelerating`, `calibrating`, `restoring`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Asks => "asking",
             Self::Holds => "holding",
+            Self::Counts => "counting",
             Self::Spins => "spinning",
             Self::Accelerates => "accelerating",
             Self::Calibrates => "calibrating",

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //!  hold        direct current in two phases at rising levels, each let go   -> R, L       (winding)
+//!  count       a field that turns slowly, and somebody marks the turns      -> pole pairs
 //!  spin, coast closed loop without sensors, then the bridge off             -> k          (coast)
 //!  accelerate  a ramp of the speed, twice, with a coast between             -> J, friction (acceleration)
 //!  calibrate   the drive's own service, where there are hall sensors        -> their wiring
@@ -14,7 +15,7 @@
 //! Each step is commissioned from what the ones before have measured. At the end, and after an error, the
 //! motor stands and the drive has the parameters that it had, but for the scope's and the hall sensors'.
 //!
-//! Pole pairs cannot be seen in volts and amperes: they have to be given.
+//! Pole pairs cannot be seen in volts and amperes: they are given, or counted.
 
 mod acceleration;
 mod channel;
@@ -72,6 +73,8 @@ pub struct Identification {
 /// Figures that are known so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
+    /// 0 before they are counted.
+    pole_pairs: u8,
     /// Words of the scope's memory.
     room: u16,
     /// Of the PWM, s.
@@ -129,14 +132,22 @@ const ENOUGH: f64 = 0.33;
 const FAINT: f64 = 0.1;
 /// A set-point may be this many times slower than what commissioning allows.
 const SLOWER: f64 = 3.0;
+/// Pole pairs of a motor.
+const POLE_PAIRS: core::ops::RangeInclusive<u8> = 1..=50;
+/// While turns are counted, the field turns so many times a second: so slowly that an eye sees the mark pass.
+const FIELD: f64 = 2.0;
+/// It has its speed after this time, microseconds.
+const FIELD_RAMP: u64 = 1_500_000;
+/// A count so far from a whole number is none.
+const UNCLEAR: f64 = 0.3;
 /// Most starts that look for that speed.
 const SPINS: u8 = 6;
 
 /// An acceleration takes this share of the current that the winding may carry: what is measured on the way
 /// lags less behind it.
-const CALM: f64 = 0.6;
+const ACCELERATION_SHARE: f64 = 0.7;
 /// A start takes this share of the largest current: a rotor that is held swings, and its back-EMF adds to it.
-const STRONGEST: f64 = 0.5;
+const START_SHARE: f64 = 0.6;
 
 /// Rows of a lock's record after the stop.
 const AFTER: u16 = 200;
@@ -171,8 +182,10 @@ impl Identification {
     /// Pole pairs outside 1 to 50, a current or a bridge that is no positive number, or hall sensors of a
     /// rotor that is held.
     pub fn new(asked: Asked) -> Result<Self, IdentificationError> {
-        if !(1..=50).contains(&asked.pole_pairs) {
-            return Err(IdentificationError::PolePairs(asked.pole_pairs));
+        if let Some(value) = asked.pole_pairs
+            && !POLE_PAIRS.contains(&value)
+        {
+            return Err(IdentificationError::PolePairs(value));
         }
         if let Some(value) = asked.current
             && !(value > 0.0 && value <= CONTINUOUS)
@@ -184,6 +197,9 @@ impl Identification {
         }
         if asked.halls && !asked.turn {
             return Err(IdentificationError::HeldHalls);
+        }
+        if asked.pole_pairs.is_none() && !asked.turn {
+            return Err(IdentificationError::HeldPolePairs);
         }
         let mut script = Script::default();
         // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.
@@ -198,7 +214,7 @@ impl Identification {
             asked,
             stage: Stage::Asks,
             script,
-            found: Found::default(),
+            found: Found { pole_pairs: asked.pole_pairs.unwrap_or(0), ..Found::default() },
             locks: Vec::new(),
             level: 0.0,
             round: 0,
@@ -217,6 +233,13 @@ impl Identification {
     /// Returns whether [`step`](Self::step) has returned the result.
     pub fn has_ended(&self) -> bool {
         self.stage == Stage::Restores && self.end.is_none()
+    }
+
+    /// A mark on the shaft passes the same place as the last time: while the rotor turns slowly
+    /// ([`Stage::Counts`]), three of these tell the pole pairs. False, and nothing happens, at any other time.
+    /// now: microseconds, as of the master.
+    pub fn mark(&mut self, now: u64) -> bool {
+        self.script.mark(now)
     }
 
     /// Stops the motor, restores the parameters and ends with [`IdentificationError::Aborted`]. One that is
@@ -340,6 +363,7 @@ impl Identification {
                 self.hold(FIRST_DUTY)
             }
             Stage::Holds => self.held(master),
+            Stage::Counts => self.counted(),
             Stage::Spins => self.spun(master),
             Stage::Accelerates => self.accelerated(master),
             Stage::Calibrates => {
@@ -482,8 +506,40 @@ impl Identification {
             self.conclude(master);
             return Ok(());
         }
+        if self.found.pole_pairs == 0 { self.count() } else { self.first_spin() }
+    }
+
+    /// The field turns slowly, with one pole pair as far as the drive knows, at the strongest level.
+    fn count(&mut self) -> Result<(), IdentificationError> {
+        self.stage = Stage::Counts;
+        let duty = self.locks.iter().fold(0.0, |most, lock| fmax(most, lock.level));
+        for (number, value) in [
+            (number::MOTOR_POLE_PAIRS, 1.0),
+            (number::LOCK_DUTY, 100.0 * duty),
+            (number::OPEN_LOOP_DUTY, 100.0 * duty),
+            (number::OPEN_LOOP_SPEED, 60.0 * FIELD),
+            (number::OPEN_LOOP_RAMP, 1.0),
+        ] {
+            self.set(number, value)?;
+        }
+        self.script.add(&[Action::Start(0), Action::Wait(FIELD_RAMP), Action::Count, Action::Stop]);
+        Ok(())
+    }
+
+    /// The turns are marked: so many times has the field turned for each.
+    fn counted(&mut self) -> Result<(), IdentificationError> {
+        let counted = FIELD * self.script.time_of_turn();
+        let whole = round(counted) as u8;
+        if fabs(counted - f64::from(whole)) > UNCLEAR || !POLE_PAIRS.contains(&whole) {
+            return Err(IdentificationError::NotCounted { counted });
+        }
+        self.found.pole_pairs = whole;
+        self.first_spin()
+    }
+
+    fn first_spin(&mut self) -> Result<(), IdentificationError> {
         self.stage = Stage::Spins;
-        self.spin(50.0 * 60.0 / f64::from(self.asked.pole_pairs), SPIN)
+        self.spin(50.0 * 60.0 / f64::from(self.found.pole_pairs), SPIN)
     }
 
     /// The motor as it is known, with a guess for what is not.
@@ -493,12 +549,12 @@ impl Identification {
         let k = if k > 0.0 { k } else { MOTOR_CONSTANT * sqrt(total) };
         let guess = MECHANICAL_TIME[self.failed.min(MECHANICAL_TIME.len() - 1)] * k * k / total;
         let inertia = self.found.driven.map_or(guess, |driven| driven.inertia.0);
-        let poles = f64::from(self.asked.pole_pairs);
+        let poles = f64::from(self.found.pole_pairs);
         let coasted = self.found.coast.map_or((0.0, 0.0), |coast| coast.friction);
         let coasted = (coasted.0 / poles * inertia, coasted.1 * inertia);
         let (static_friction, viscous_friction) = self.found.driven.map_or(coasted, |driven| driven.friction);
         Motor {
-            pole_pairs: self.asked.pole_pairs,
+            pole_pairs: self.found.pole_pairs,
             resistance: total - self.asked.bridge,
             inductance: self.found.winding.map_or(1e-3, |winding| winding.inductance),
             torque_constant: k,
@@ -515,7 +571,7 @@ impl Identification {
         let unknown = self.found.torque_constant.0 <= 0.0;
         let mut plate = Nameplate {
             motor: self.motor(),
-            rated_current: Some(CALM * self.found.current),
+            rated_current: Some(ACCELERATION_SHARE * self.found.current),
             // A supply of 18 V may read a little less.
             supply: if self.found.supply > 0.99 * LEAST {
                 fmax(self.found.supply, LEAST)
@@ -524,7 +580,7 @@ impl Identification {
             },
             open_loop_speed: None,
         };
-        let most = STRONGEST * self.asked.current.unwrap_or(CONTINUOUS);
+        let most = START_SHARE * self.asked.current.unwrap_or(CONTINUOUS);
         let mut commissioning = plate.commission_within(&board, mode, None, most);
         for _ in 0..GUESSES {
             if matches!(commissioning, Err(CommissioningError::TooSlow { .. })) {
@@ -541,7 +597,7 @@ impl Identification {
         let mut commissioning = commissioning.map_err(IdentificationError::Commissioning)?;
         // The identification turns as slowly as the motor needs. It knows no fastest speed before that is
         // measured, and the drive gets none: a light rotor leaps when its start ends.
-        let fastest = fmin(f64::from(rate) * 60.0 / (6.0 * 4.0 * f64::from(self.asked.pole_pairs)), 30_000.0);
+        let fastest = fmin(f64::from(rate) * 60.0 / (6.0 * 4.0 * f64::from(self.found.pole_pairs)), 30_000.0);
         commissioning.speed_min /= SLOWER;
         if unknown {
             commissioning.speed_max = fastest;
@@ -572,7 +628,7 @@ impl Identification {
 
     /// The bridge goes off: records the terminals of the coasting rotor.
     fn coast(&mut self, samples: f64) {
-        let third = 20.0 / (self.found.speed * f64::from(self.asked.pole_pairs));
+        let third = 20.0 / (self.found.speed * f64::from(self.found.pole_pairs));
         let prescaler = fmax(1.0, libm::floor(third / (samples * self.found.period))) as u16;
         // The first one only shows how fast the motor may turn.
         let is_first = self.stage == Stage::Spins && self.round == 0;
@@ -590,7 +646,7 @@ impl Identification {
     /// A coasting rotor is recorded: a faster run, or what k is.
     fn spun(&mut self, master: &mut Master) -> Result<(), IdentificationError> {
         self.round += 1;
-        let poles = f64::from(self.asked.pole_pairs);
+        let poles = f64::from(self.found.pole_pairs);
         let coast = Coast::of(&self.script.record);
         let Some(coast) = coast else {
             if self.round >= SPINS {
@@ -664,11 +720,11 @@ impl Identification {
                 .filter(|seen| self.agrees(seen, &balance))
                 .map_or(coast, |seen| coast.with(seen));
             self.found.coast = Some(coast);
-            self.found.torque_constant = coast.torque_constant(self.asked.pole_pairs.into());
+            self.found.torque_constant = coast.torque_constant(self.found.pole_pairs.into());
             self.found.driven = Some(balance.solve(&coast).ok_or(unsteady)?);
             return self.accelerate(self.found.speed);
         }
-        let balance = Balance::of(record, &winding, &coast, channel, self.asked.pole_pairs.into(), period)
+        let balance = Balance::of(record, &winding, &coast, channel, self.found.pole_pairs.into(), period)
             .ok_or(unsteady)?;
         if !self.agrees(&coast, &balance) {
             return Err(unsteady);
@@ -698,7 +754,7 @@ impl Identification {
 
     /// Two ways to the same constant: what was recorded fits a motor if they agree.
     fn agrees(&self, coast: &Coast, balance: &Balance) -> bool {
-        let (constant, _) = coast.torque_constant(self.asked.pole_pairs.into());
+        let (constant, _) = coast.torque_constant(self.found.pole_pairs.into());
         fabs(constant - balance.torque_constant) <= AGREES * balance.torque_constant
     }
 
@@ -707,7 +763,7 @@ impl Identification {
         let Found { supply, current, .. } = self.found;
         let resistance = winding.resistance - self.asked.bridge;
         Identified {
-            pole_pairs: self.asked.pole_pairs,
+            pole_pairs: self.found.pole_pairs,
             temperature: self.found.temperature,
             supply,
             current,

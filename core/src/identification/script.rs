@@ -29,6 +29,8 @@ pub(super) enum Action {
     CalibrateHall,
     /// Waits until the motor turns at this speed.
     Settle { rpm: f64, within: u64 },
+    /// Waits until the turns of the rotor are marked.
+    Count,
     /// Requests Standby and waits for it.
     Stop,
     /// Arms the scope.
@@ -71,6 +73,13 @@ impl Action {
     }
 }
 
+/// Marks of the rotor's turns: one more than turns.
+const MARKS: usize = 3;
+/// One that follows sooner is the same one again, microseconds.
+const SAME: u64 = 200_000;
+/// Longest wait for them, microseconds: two turns with 50 pole pairs take 50 s.
+const UNMARKED: u64 = 180_000_000;
+
 /// Longest script: a commissioning with a run, or every parameter that was written.
 const ACTIONS: usize = 64;
 const _: () = assert!(WRITTEN.len() + 24 <= ACTIONS);
@@ -88,6 +97,8 @@ pub(super) struct Script {
     stray_words: bool,
     /// Since when the speed is near the set-point.
     near: Option<u64>,
+    /// Marks of the rotor's turns so far.
+    marks: Vec<u64, MARKS>,
     /// Parameters that were written, and their values before.
     originals: Vec<(u16, i32), ACTIONS>,
     answers: Vec<i32, 4>,
@@ -136,6 +147,23 @@ impl Script {
             }
             _ => {}
         }
+    }
+
+    /// A mark on the rotor passes. False, and nothing happens, if this is not counted now.
+    pub(super) fn mark(&mut self, now: u64) -> bool {
+        let counts = matches!(self.under_way, Some((Action::Count, _)));
+        if counts && self.marks.last().is_none_or(|last| now.saturating_sub(*last) > SAME) {
+            // It is full only once the action is done.
+            let _ = self.marks.push(now);
+        }
+        counts
+    }
+
+    /// Time of one turn, by the marks, s.
+    pub(super) fn time_of_turn(&self) -> f64 {
+        let span = |first: &u64, last: &u64| last.saturating_sub(*first) as f64 * 1e-6;
+        let span = self.marks.first().zip(self.marks.last()).map_or(0.0, |(first, last)| span(first, last));
+        span / (MARKS - 1) as f64
     }
 
     /// The values that were read.
@@ -198,6 +226,10 @@ impl Script {
                 self.near = None;
                 Ok(())
             }
+            Action::Count => {
+                self.marks.clear();
+                Ok(())
+            }
             Action::Stop => {
                 master.stop();
                 // A job that this ends is not a result.
@@ -230,6 +262,14 @@ impl Script {
                 None => Ok(false),
             },
             Action::Speed(_) => Ok(true),
+            Action::Count => {
+                has_no_fault(master)?;
+                if waited > UNMARKED {
+                    let marks = self.marks.len() as u8;
+                    return Err(IdentificationError::NotMarked { marks, needed: MARKS as u8 });
+                }
+                Ok(self.marks.is_full())
+            }
             Action::Settle { rpm, within } => self.has_settled(rpm, within, master, now, waited),
             Action::Stop => match master.state() {
                 Some(State::Standby) if waited >= MARGIN => Ok(true),

@@ -164,7 +164,12 @@ impl Trial {
         }
         let end = bench.plant().winding_temperature();
         Self {
-            name: subject.command.rsplit("--").next().unwrap_or_default().to_owned(),
+            name: subject
+                .command
+                .rsplit("--")
+                .find(|part| !part.starts_with("pwm-rate"))
+                .unwrap_or("")
+                .to_owned(),
             motor,
             rated_torque: subject.preset.data.rated_torque.unwrap_or(0.0),
             outcome,

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
+from queue import Queue
+from threading import Thread
 from typing import Annotated, Literal, cast
 
 import typer
@@ -65,7 +70,7 @@ def calibrate_hall(
 
 @app.command(epilog=examples("narx identify 8", "narx -i socketcan -c can0 identify 4 --current 3 --to my-motor.toml --yes"))
 def identify(
-    pole_pairs: Annotated[int, typer.Argument(help="Pole pairs of the motor.")],
+    pole_pairs: Annotated[int | None, typer.Argument(help="Pole pairs of the motor. Without them you count turns.", show_default=False)] = None,
     current: Annotated[float | None, typer.Option(help="Largest phase current, A.")] = None,
     bridge: Annotated[float | None, typer.Option(help="Resistance of two switches of the drive, ohm.")] = None,
     hold: Annotated[bool, typer.Option("--hold", help="Do not turn: resistance and inductance alone.")] = False,
@@ -78,10 +83,33 @@ def identify(
     if not yes:
         typer.confirm("The motor will be held." if hold else "The motor will turn. Is its shaft free?", abort=True)
     with connected() as drive:
-        found = drive.identify(pole_pairs, current, bridge, not hold, halls, None if as_json else lambda stage: err.print(f"{stage} ..."))
+        found = drive.identify(pole_pairs, current, bridge, not hold, halls, None if as_json else lambda stage: err.print(f"{stage} ..."), marks())
         if to is not None:
             found.save(to)
         print(json.dumps(asdict(found)) if as_json else found, flush=True)
+
+
+def marks() -> Callable[[], bool]:
+    """Returns the function that says whether Enter was pressed since the last time; the first call asks for it."""
+    pressed: Queue[bytes] = Queue()
+
+    def read() -> None:
+        # Past the buffer of sys.stdin, whose lock would keep the program from ending.
+        while line := os.read(sys.stdin.fileno(), 1024):
+            pressed.put(line)
+
+    reader = Thread(target=read, daemon=True)
+
+    def mark() -> bool:
+        if reader.ident is None:
+            err.print("The shaft turns slowly. Choose a mark on it, and press Enter each time that it passes the same place, three times.")
+            reader.start()
+        if pressed.empty():
+            return False
+        pressed.get()
+        return True
+
+    return mark
 
 
 @app.command(

@@ -15,8 +15,8 @@ use wasm_bindgen::prelude::*;
 const TYPES: &str = r#"
 /** Facts that the user knows of the motor, and limits of its identification. */
 export interface IdentificationOptions {
-    /** Pole pairs, 1 to 50. They cannot be seen in volts and amperes. */
-    polePairs: number;
+    /** Pole pairs, 1 to 50. They cannot be seen in volts and amperes: without them the rotor turns slowly, and `mark` counts. */
+    polePairs?: number;
     /** Largest phase current, above 0 and at most 6 A; default the one whose heat in the winding is 6 W, 6 A at most. */
     current?: number;
     /** Resistance of two switches of the drive, 0 or more and below 1 ohm; default that of narx's own board, 0.04. It is taken off
@@ -28,10 +28,11 @@ export interface IdentificationOptions {
     halls?: boolean;
 }
 
-/** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; spins it and lets it coast
+/** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; turns it slowly
+ * until its turns are marked, for the pole pairs; spins it and lets it coast
  * for the torque constant; accelerates it for inertia and friction; calibrates the hall sensors; stops it and restores the
  * parameters. */
-export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "calibrating" | "restoring";
+export type IdentificationStage = "asking" | "holding" | "counting" | "spinning" | "accelerating" | "calibrating" | "restoring";
 
 /** A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors. */
 export interface Figure {
@@ -41,7 +42,7 @@ export interface Figure {
 
 /** The figures of a motor as its drive has measured them, at the temperature that the motor had. */
 export interface Identified {
-    /** As given. */
+    /** As given, or as counted. */
     readonly polePairs: number;
     /** Bus voltage without load, V. */
     readonly supplyVoltage: number;
@@ -142,9 +143,8 @@ impl Identification {
     ) -> Result<Identification, JsValue> {
         let options =
             Options::new("identify", options, &["polePairs", "current", "bridge", "turn", "halls"])?;
-        options.required("polePairs")?;
-        let pole_pairs = options.whole("polePairs", 1.0, 50.0)?.unwrap_or_default();
-        let plain = Asked::new(pole_pairs as u8);
+        let pole_pairs = options.whole("polePairs", 1.0, 50.0)?;
+        let plain = Asked::new(pole_pairs.map(|value| value as u8));
         let asked = Asked {
             current: options.number("current")?,
             bridge: options.number("bridge")?.unwrap_or(plain.bridge),
@@ -170,6 +170,12 @@ impl Identification {
             Some(Ok(found)) => Ok(figures(&found).into()),
             Some(Err(error)) => Err(thrown_by(master, &error)),
         }
+    }
+
+    /// A mark on the shaft passes the same place as the last time: in the stage "counting" three of these
+    /// tell the pole pairs. False, and nothing happens, at any other time.
+    pub fn mark(&mut self, master: &Master) -> bool {
+        self.0.mark(master.now)
     }
 
     /// Stops the motor; in the steps that follow the parameters get their former values, and the end is a

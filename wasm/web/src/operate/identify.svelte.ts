@@ -25,6 +25,8 @@ export interface Result {
 class Identify {
     busy = $state(false);
     stage = $state<IdentificationStage>();
+    /** Marks of the shaft's turns so far. */
+    marks = $state(0);
     /** The link's time at the begin, s. */
     begun = $state(0);
     /** Duration of the last one that has ended, s. */
@@ -38,9 +40,14 @@ class Identify {
         addEventListener("beforeunload", (event) => this.busy && event.preventDefault());
     }
 
+    /** A mark on the shaft passes. */
+    mark(): void {
+        this.marks += session.drive?.mark() ? 1 : 0;
+    }
+
     /** Identifies the motor of the present drive; `result` or `problem` is the end. */
     async run(options: IdentificationOptions): Promise<void> {
-        [this.busy, this.stage, this.result, this.problem] = [true, "asking", undefined, undefined];
+        [this.busy, this.stage, this.marks, this.result, this.problem] = [true, "asking", 0, undefined, undefined];
         this.begun = session.view.time;
         const motor = session.isVirtual ? virtualDrive.opened?.setup.motor : undefined;
         const link = session.link?.name ?? "";
