@@ -576,7 +576,7 @@ int16_t narx_q12_from_q16(int32_t value);
 /// Converts a Q12 to Q16, exactly. Any context.
 int32_t narx_q16_from_q12(int16_t value);
 
-/// Writes the default configuration, as a start for your own: only the pole pairs are missing.
+/// Writes the default configuration, as a start for your own. Its pole pairs are counted.
 narx_status_t narx_identification_config_default(struct narx_identification_config_t *config);
 
 /// Returns the bytes that an identification needs on this processor: at most sizeof(narx_identification_t).
@@ -606,6 +606,12 @@ narx_status_t narx_identification_step(struct narx_identification_t *identificat
 /// Writes the part that is under way: a narx_identification_stage_t.
 narx_status_t narx_identification_stage(struct narx_identification_t *identification,
                                         uint8_t *stage);
+
+/// A mark on the shaft passes the same place as the last time, at `now`, microseconds: while the rotor turns
+/// slowly, in the stage Counts, three of these tell the pole pairs. Returns NARX_ERROR_WRONG_STATE, and
+/// nothing happens, at any other time.
+narx_status_t narx_identification_mark(struct narx_identification_t *identification,
+                                       uint64_t now);
 
 /// Stops the motor and restores the parameters, in the steps that follow; the end is NARX_ERROR_ABORTED.
 narx_status_t narx_identification_abort(struct narx_identification_t *identification,

@@ -428,6 +428,9 @@ enum narx_identification_stage_t
     NARX_IDENTIFICATION_STAGE_CALIBRATES = 4,
     /// Stops the motor and restores the parameters.
     NARX_IDENTIFICATION_STAGE_RESTORES = 5,
+    /// Turns the rotor slowly, in steps, and waits for narx_identification_mark: pole pairs. It comes after
+    /// Holds.
+    NARX_IDENTIFICATION_STAGE_COUNTS = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1277,7 +1280,7 @@ typedef struct narx_identified_t {
     double viscous_friction;
     /// Speed to which `friction` belongs, the largest that was used, rad/s.
     double speed;
-    /// Pole pairs, as given.
+    /// Pole pairs, as given or as counted.
     uint8_t pole_pairs;
     /// Not 0: the rotor has turned.
     uint8_t turned;
@@ -1508,7 +1511,7 @@ typedef struct narx_identification_config_t {
     /// Resistance of two switches of the drive, ohm, below 1; default that of narx's own board, 0.04. It is
     /// taken off what is measured.
     double bridge;
-    /// Pole pairs, 1 to 50; default 0: they cannot be seen in volts and amperes.
+    /// Pole pairs, 1 to 50; 0, the default: they are counted, with narx_identification_mark.
     uint8_t pole_pairs;
     /// Not 0: the rotor stays still, and resistance and inductance alone are measured; default 0.
     uint8_t hold;
