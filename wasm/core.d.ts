@@ -231,8 +231,8 @@ export interface Progress {
 
 /** Facts that the user knows of the motor, and limits of its identification. */
 export interface IdentificationOptions {
-    /** Pole pairs, 1 to 50. They cannot be seen in volts and amperes. */
-    polePairs: number;
+    /** Pole pairs, 1 to 50. They cannot be seen in volts and amperes: without them the rotor turns slowly, and `mark` counts. */
+    polePairs?: number;
     /** Largest phase current, above 0 and at most 6 A; default the one whose heat in the winding is 6 W, 6 A at most. */
     current?: number;
     /** Resistance of two switches of the drive, 0 or more and below 1 ohm; default that of narx's own board, 0.04. It is taken off
@@ -244,10 +244,11 @@ export interface IdentificationOptions {
     halls?: boolean;
 }
 
-/** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; spins it and lets it coast
+/** Part of an identification: reads what the drive is; holds the rotor for resistance and inductance; turns it slowly
+ * until its turns are marked, for the pole pairs; spins it and lets it coast
  * for the torque constant; accelerates it for inertia and friction; calibrates the hall sensors; stops it and restores the
  * parameters. */
-export type IdentificationStage = "asking" | "holding" | "spinning" | "accelerating" | "calibrating" | "restoring";
+export type IdentificationStage = "asking" | "holding" | "counting" | "spinning" | "accelerating" | "calibrating" | "restoring";
 
 /** A measured figure. The truth is within `uncertainty` of `value` for about 95 of 100 motors. */
 export interface Figure {
@@ -257,7 +258,7 @@ export interface Figure {
 
 /** The figures of a motor as its drive has measured them, at the temperature that the motor had. */
 export interface Identified {
-    /** As given. */
+    /** As given, or as counted. */
     readonly polePairs: number;
     /** Bus voltage without load, V. */
     readonly supplyVoltage: number;
@@ -430,6 +431,11 @@ export class Identification {
      * "RefusedError".
      */
     abort(master: Master): void;
+    /**
+     * A mark on the shaft passes the same place as the last time: in the stage "counting" three of these
+     * tell the pole pairs. False, and nothing happens, at any other time.
+     */
+    mark(master: Master): boolean;
     /**
      * Makes an identification that begins with the first step. The drive must be in Standby, with the shaft
      * at rest. Throws for an invalid option.
@@ -871,6 +877,7 @@ export interface InitOutput {
     readonly decode: (a: any, b: number) => [number, number, number];
     readonly encodeSlcan: (a: any) => [number, number, number, number];
     readonly identification_abort: (a: number, b: number) => void;
+    readonly identification_mark: (a: number, b: number) => number;
     readonly identification_new: (a: any) => [number, number, number];
     readonly identification_stage: (a: number) => [number, number];
     readonly identification_step: (a: number, b: number) => [number, number, number];

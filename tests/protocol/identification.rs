@@ -128,10 +128,7 @@ fn marks_that_tell_no_whole_number_are_refused() {
     })
     .unwrap_err();
     assert!(matches!(error, IdentificationError::NotCounted { .. }), "{error:?}");
-    insta::assert_snapshot!(
-        error,
-        @"the marks tell 2.50 electrical revolutions a turn: pole pairs are a whole number, 1 to 50"
-    );
+    insta::assert_snapshot!(error, @"pole pairs 2.50 by the marks: not a whole number, 1 to 50");
     assert_eq!(values(&mut rig), before);
     let held = Identification::new(Asked { turn: false, ..Asked::new(None) });
     assert_eq!(held.unwrap_err(), IdentificationError::HeldPolePairs);

@@ -22,13 +22,8 @@ pub enum IdentificationError {
     HeldHalls,
     /// Pole pairs that were not given, of a rotor that must not turn.
     HeldPolePairs,
-    /// The turns of the rotor were not marked in time.
-    NotMarked {
-        /// Marks so far.
-        marks: u8,
-        /// Marks that are needed.
-        needed: u8,
-    },
+    /// The turns of the rotor were marked less than three times in three minutes.
+    NotMarked(u8),
     /// The marks tell no whole number of pole pairs, or one outside 1 to 50.
     NotCounted {
         /// Electrical revolutions a turn.
@@ -112,14 +107,16 @@ impl fmt::Display for IdentificationError {
             }
             Self::HeldHalls => f.write_str("hall sensors are calibrated only if the rotor may turn"),
             Self::HeldPolePairs => f.write_str("pole pairs are counted only if the rotor may turn"),
-            Self::NotMarked { marks, needed } => {
-                write!(f, "the turns of the rotor were marked {marks} times, not {needed}: does it turn?")
+            Self::NotMarked(marks) => {
+                write!(f, "turns were marked {marks} times, not three: does the rotor turn?")
             }
-            Self::NotCounted { counted } => write!(
-                f,
-                "the marks tell {} electrical revolutions a turn: pole pairs are a whole number, 1 to 50",
-                Shown::Rounded(counted, 2)
-            ),
+            Self::NotCounted { counted } => {
+                write!(
+                    f,
+                    "pole pairs {} by the marks: not a whole number, 1 to 50",
+                    Shown::Rounded(counted, 2)
+                )
+            }
             Self::Rate(rate) => write!(f, "a PWM rate of {rate} Hz is not one of this drive"),
             Self::Value(error) => error.fmt(f),
             Self::NotInStandby(Some(state)) => {

@@ -136,8 +136,6 @@ const SLOWER: f64 = 3.0;
 const POLE_PAIRS: core::ops::RangeInclusive<u8> = 1..=50;
 /// While turns are counted, the field turns so many times a second: so slowly that an eye sees the mark pass.
 const FIELD: f64 = 2.0;
-/// It has its speed after this time, microseconds.
-const FIELD_RAMP: u64 = 1_500_000;
 /// A count so far from a whole number is none.
 const UNCLEAR: f64 = 0.3;
 /// Most starts that look for that speed.
@@ -509,20 +507,12 @@ impl Identification {
         if self.found.pole_pairs == 0 { self.count() } else { self.first_spin() }
     }
 
-    /// The field turns slowly, with one pole pair as far as the drive knows, at the strongest level.
+    /// The field turns slowly, at the last level, with one pole pair as far as the drive knows.
     fn count(&mut self) -> Result<(), IdentificationError> {
         self.stage = Stage::Counts;
-        let duty = self.locks.iter().fold(0.0, |most, lock| fmax(most, lock.level));
-        for (number, value) in [
-            (number::MOTOR_POLE_PAIRS, 1.0),
-            (number::LOCK_DUTY, 100.0 * duty),
-            (number::OPEN_LOOP_DUTY, 100.0 * duty),
-            (number::OPEN_LOOP_SPEED, 60.0 * FIELD),
-            (number::OPEN_LOOP_RAMP, 1.0),
-        ] {
-            self.set(number, value)?;
-        }
-        self.script.add(&[Action::Start(0), Action::Wait(FIELD_RAMP), Action::Count, Action::Stop]);
+        self.set(number::MOTOR_POLE_PAIRS, 1.0)?;
+        self.set(number::OPEN_LOOP_SPEED, 60.0 * FIELD)?;
+        self.script.add(&[Action::Start(0), Action::Count, Action::Stop]);
         Ok(())
     }
 

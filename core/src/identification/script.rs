@@ -73,9 +73,9 @@ impl Action {
     }
 }
 
-/// Marks of the rotor's turns: one more than turns.
-const MARKS: usize = 3;
-/// One that follows sooner is the same one again, microseconds.
+/// Turns that are marked, at the begin of the first and at the end of each.
+const TURNS: u8 = 2;
+/// A mark that follows sooner is the same one, of a rotor that swings, microseconds.
 const SAME: u64 = 200_000;
 /// Longest wait for them, microseconds: two turns with 50 pole pairs take 50 s.
 const UNMARKED: u64 = 180_000_000;
@@ -97,8 +97,10 @@ pub(super) struct Script {
     stray_words: bool,
     /// Since when the speed is near the set-point.
     near: Option<u64>,
-    /// Marks of the rotor's turns so far.
-    marks: Vec<u64, MARKS>,
+    /// Marks of the rotor's turns so far, and the time from the first to the last.
+    marks: u8,
+    first: u64,
+    span: u64,
     /// Parameters that were written, and their values before.
     originals: Vec<(u16, i32), ACTIONS>,
     answers: Vec<i32, 4>,
@@ -152,18 +154,19 @@ impl Script {
     /// A mark on the rotor passes. False, and nothing happens, if this is not counted now.
     pub(super) fn mark(&mut self, now: u64) -> bool {
         let counts = matches!(self.under_way, Some((Action::Count, _)));
-        if counts && self.marks.last().is_none_or(|last| now.saturating_sub(*last) > SAME) {
-            // It is full only once the action is done.
-            let _ = self.marks.push(now);
+        if counts && self.marks == 0 {
+            (self.first, self.marks) = (now, 1);
+        }
+        let span = now.saturating_sub(self.first);
+        if counts && self.marks <= TURNS && span > self.span + SAME {
+            (self.span, self.marks) = (span, self.marks + 1);
         }
         counts
     }
 
     /// Time of one turn, by the marks, s.
     pub(super) fn time_of_turn(&self) -> f64 {
-        let span = |first: &u64, last: &u64| last.saturating_sub(*first) as f64 * 1e-6;
-        let span = self.marks.first().zip(self.marks.last()).map_or(0.0, |(first, last)| span(first, last));
-        span / (MARKS - 1) as f64
+        self.span as f64 * 1e-6 / f64::from(TURNS)
     }
 
     /// The values that were read.
@@ -226,10 +229,6 @@ impl Script {
                 self.near = None;
                 Ok(())
             }
-            Action::Count => {
-                self.marks.clear();
-                Ok(())
-            }
             Action::Stop => {
                 master.stop();
                 // A job that this ends is not a result.
@@ -240,7 +239,7 @@ impl Script {
             Action::Force => master.begin(Job::ForceScope),
             Action::AwaitRecord => master.begin(Job::AwaitScope { within: PATIENCE }),
             Action::Download(words) => master.download(Download::Scope { words }),
-            Action::Ready | Action::Wait(_) => Ok(()),
+            Action::Ready | Action::Wait(_) | Action::Count => Ok(()),
         };
         taken.map_err(IdentificationError::NotTaken)
     }
@@ -265,10 +264,9 @@ impl Script {
             Action::Count => {
                 has_no_fault(master)?;
                 if waited > UNMARKED {
-                    let marks = self.marks.len() as u8;
-                    return Err(IdentificationError::NotMarked { marks, needed: MARKS as u8 });
+                    return Err(IdentificationError::NotMarked(self.marks));
                 }
-                Ok(self.marks.is_full())
+                Ok(self.marks > TURNS)
             }
             Action::Settle { rpm, within } => self.has_settled(rpm, within, master, now, waited),
             Action::Stop => match master.state() {
