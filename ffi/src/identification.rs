@@ -310,11 +310,7 @@ impl From<IdentificationError> for narx_status_t {
     fn from(error: IdentificationError) -> Self {
         use IdentificationError as Error;
         match error {
-            Error::PolePairs(_)
-            | Error::Current(_)
-            | Error::Bridge(_)
-            | Error::HeldHalls
-            | Error::HeldPolePairs => NARX_ERROR_ARGUMENT,
+            Error::PolePairs(_) | Error::Current(_) | Error::Bridge(_) | Error::Held => NARX_ERROR_ARGUMENT,
             Error::Rate(_) => NARX_ERROR_BOARD,
             Error::Value(_) => NARX_ERROR_OUT_OF_RANGE,
             Error::NotInStandby(_) => NARX_ERROR_WRONG_STATE,
@@ -323,7 +319,7 @@ impl From<IdentificationError> for narx_status_t {
             Error::NoMotor { .. } => NARX_ERROR_NO_MOTOR,
             Error::Short { .. } => NARX_ERROR_SHORT,
             Error::Sags { .. } => NARX_ERROR_SAGS,
-            Error::Unsteady(_) | Error::NotMarked(_) | Error::NotCounted { .. } => NARX_ERROR_UNSTEADY,
+            Error::Unsteady(_) | Error::NotMarked | Error::NotCounted { .. } => NARX_ERROR_UNSTEADY,
             Error::NoBackEmf { .. } => NARX_ERROR_NO_BACK_EMF,
             Error::NotReached { .. } => NARX_ERROR_NOT_REACHED,
             Error::NoRoom { .. } => NARX_ERROR_NO_ROOM,

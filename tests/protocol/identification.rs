@@ -131,7 +131,7 @@ fn marks_that_tell_no_whole_number_are_refused() {
     insta::assert_snapshot!(error, @"pole pairs 2.50 by the marks: not a whole number, 1 to 50");
     assert_eq!(values(&mut rig), before);
     let held = Identification::new(Asked { turn: false, ..Asked::new(None) });
-    assert_eq!(held.unwrap_err(), IdentificationError::HeldPolePairs);
+    assert_eq!(held.unwrap_err(), IdentificationError::Held);
 }
 
 /// A small motor takes 5 to 20 mA of a channel whose steps are 8 mA and whose zero is known to 1 mA.
@@ -240,7 +240,10 @@ fn hall_sensors_are_calibrated_on_request() {
 #[test]
 fn a_rotor_that_must_not_turn_is_held_alone() {
     let both = Identification::new(Asked { turn: false, halls: true, ..Asked::new(8) }).unwrap_err();
-    assert_eq!(both.to_string(), "hall sensors are calibrated only if the rotor may turn");
+    assert_eq!(
+        both.to_string(),
+        "hall sensors are calibrated, and pole pairs counted, only if the rotor may turn"
+    );
     let mut rig = rig();
     let mut fastest = 0.0_f64;
     let found = identify(&mut rig, Asked { turn: false, ..Asked::new(8) }, |rig, _| {

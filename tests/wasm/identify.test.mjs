@@ -106,7 +106,7 @@ test("pole pairs are counted with a mark that the user sees pass", async () => {
     const begun = Number.parseInt((await stage.textContent()).split(", ")[1], 10) + 3;
     for (const [marks, second] of [begun, begun + 2, begun + 4].entries()) {
         await stage.getByText(`Counting, ${second} s`).waitFor(LONG);
-        await page.getByText(`${marks} of 3`).waitFor();
+        await page.getByText(`${marks} of 3`, { exact: true }).waitFor();
         await page.locator("#mark-turn").click();
     }
     await page.locator("#identified").waitFor(LONG);

@@ -18,12 +18,10 @@ pub enum IdentificationError {
     Current(f64),
     /// A resistance of the bridge outside 0 to 1 ohm.
     Bridge(f64),
-    /// Hall sensors of a rotor that must not turn.
-    HeldHalls,
-    /// Pole pairs that were not given, of a rotor that must not turn.
-    HeldPolePairs,
+    /// Hall sensors, or pole pairs that were not given, of a rotor that must not turn.
+    Held,
     /// The turns of the rotor were marked less than three times in three minutes.
-    NotMarked(u8),
+    NotMarked,
     /// The marks tell no whole number of pole pairs, or one outside 1 to 50.
     NotCounted {
         /// Electrical revolutions a turn.
@@ -105,11 +103,10 @@ impl fmt::Display for IdentificationError {
             Self::Bridge(value) => {
                 write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
-            Self::HeldHalls => f.write_str("hall sensors are calibrated only if the rotor may turn"),
-            Self::HeldPolePairs => f.write_str("pole pairs are counted only if the rotor may turn"),
-            Self::NotMarked(marks) => {
-                write!(f, "turns were marked {marks} times, not three: does the rotor turn?")
+            Self::Held => {
+                f.write_str("hall sensors are calibrated, and pole pairs counted, only if the rotor may turn")
             }
+            Self::NotMarked => f.write_str("no three marks of the rotor's turns: does it turn?"),
             Self::NotCounted { counted } => {
                 write!(
                     f,

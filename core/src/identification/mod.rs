@@ -193,11 +193,8 @@ impl Identification {
         if !(asked.bridge >= 0.0 && asked.bridge < 1.0) {
             return Err(IdentificationError::Bridge(asked.bridge));
         }
-        if asked.halls && !asked.turn {
-            return Err(IdentificationError::HeldHalls);
-        }
-        if asked.pole_pairs.is_none() && !asked.turn {
-            return Err(IdentificationError::HeldPolePairs);
+        if !asked.turn && (asked.halls || asked.pole_pairs.is_none()) {
+            return Err(IdentificationError::Held);
         }
         let mut script = Script::default();
         // The sampling time of a thousand ticks tells the PWM rate to 0.01 %.

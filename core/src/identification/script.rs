@@ -264,7 +264,7 @@ impl Script {
             Action::Count => {
                 has_no_fault(master)?;
                 if waited > UNMARKED {
-                    return Err(IdentificationError::NotMarked(self.marks));
+                    return Err(IdentificationError::NotMarked);
                 }
                 Ok(self.marks > TURNS)
             }
