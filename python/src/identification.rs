@@ -13,8 +13,9 @@ pub(crate) struct Identification(Mutex<Core>);
 
 #[pymethods]
 impl Identification {
-    /// pole_pairs: `None` if they are counted. current: largest phase current, A, `None` for a heat of 6 W. bridge: resistance of two switches, ohm,
-    /// `None` for that of narx's own board. turn: the rotor may turn. halls: the hall sensors are calibrated.
+    /// pole_pairs: `None` if they are counted. current: largest phase current, A, `None` for a heat of 6 W.
+    /// bridge: resistance of two switches, ohm, `None` for that of narx's own board. turn: the rotor may
+    /// turn. halls: the hall sensors are calibrated.
     #[new]
     #[pyo3(signature = (pole_pairs, current, bridge, turn, halls))]
     fn new(

@@ -231,8 +231,8 @@ impl Identification {
     }
 
     /// A mark on the shaft passes the same place as the last time: while the rotor turns slowly
-    /// ([`Stage::Counts`]), three of these tell the pole pairs. False, and nothing happens, at any other time.
-    /// now: microseconds, as of the master.
+    /// ([`Stage::Counts`]), three of these tell the pole pairs. False, and nothing happens, at any other
+    /// time. now: microseconds, as of the master.
     pub fn mark(&mut self, now: u64) -> bool {
         self.script.mark(now)
     }

@@ -22,7 +22,7 @@ const COUNT: usize = 28;
 enum Source {
     /// Motor, supply and duty.
     Motor,
-    /// What the drive says, and what follows from the shaft's angle.
+    /// The drive's view, and what follows from the shaft's angle.
     Drive,
     /// All that a plant can tell, [`Plant::observe`](crate::plant::Plant::observe).
     Observed,
