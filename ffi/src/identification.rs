@@ -319,7 +319,7 @@ impl From<IdentificationError> for narx_status_t {
             Error::NoMotor { .. } => NARX_ERROR_NO_MOTOR,
             Error::Short { .. } => NARX_ERROR_SHORT,
             Error::Sags { .. } => NARX_ERROR_SAGS,
-            Error::Unsteady(_) | Error::NotMarked | Error::NotCounted { .. } => NARX_ERROR_UNSTEADY,
+            Error::Unsteady(_) | Error::NotCounted { .. } => NARX_ERROR_UNSTEADY,
             Error::NoBackEmf { .. } => NARX_ERROR_NO_BACK_EMF,
             Error::NotReached { .. } => NARX_ERROR_NOT_REACHED,
             Error::NoRoom { .. } => NARX_ERROR_NO_ROOM,

@@ -103,12 +103,24 @@ test("pole pairs are counted with a mark that the user sees pass", async () => {
     assert.deepEqual(await violations(page), []);
     // Four pole pairs in a field of two revolutions a second: a turn takes 2 s of the drive's time.
     const stage = page.locator("#identify-stage");
-    const begun = Number.parseInt((await stage.textContent()).split(", ")[1], 10) + 3;
-    for (const [marks, second] of [begun, begun + 2, begun + 4].entries()) {
-        await stage.getByText(`Counting, ${second} s`).waitFor(LONG);
-        await page.getByText(`${marks} of 3`, { exact: true }).waitFor();
-        await page.locator("#mark-turn").click();
-    }
+    await stage.evaluate(
+        (told) =>
+            new Promise((resolve) => {
+                const second = () => Number.parseInt(told.textContent.split(", ")[1], 10);
+                const due = [3, 5, 7].map((later) => second() + later);
+                const clock = new MutationObserver(() => {
+                    if (second() >= due[0]) {
+                        due.shift();
+                        document.querySelector("#mark-turn").click();
+                    }
+                    if (due.length === 0) {
+                        clock.disconnect();
+                        resolve();
+                    }
+                });
+                clock.observe(told, { characterData: true, childList: true, subtree: true });
+            }),
+    );
     await page.locator("#identified").waitFor(LONG);
     const file = await saved(page, () => page.locator("#save-motor").click());
     assert.match(file.bytes.toString(), /\npole_pairs = 4\n/);

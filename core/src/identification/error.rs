@@ -20,9 +20,8 @@ pub enum IdentificationError {
     Bridge(f64),
     /// Hall sensors, or pole pairs that were not given, of a rotor that must not turn.
     Held,
-    /// The turns of the rotor were marked less than three times in three minutes.
-    NotMarked,
-    /// The marks tell no whole number of pole pairs, or one outside 1 to 50.
+    /// The marks tell no whole number of pole pairs, or one outside 1 to 50; 0 if three were not seen in three
+    /// minutes.
     NotCounted {
         /// Electrical revolutions a turn.
         counted: f64,
@@ -103,10 +102,7 @@ impl fmt::Display for IdentificationError {
             Self::Bridge(value) => {
                 write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
-            Self::Held => {
-                f.write_str("hall sensors are calibrated, and pole pairs counted, only if the rotor may turn")
-            }
-            Self::NotMarked => f.write_str("no three marks of the rotor's turns: does it turn?"),
+            Self::Held => f.write_str("hall sensors and pole pairs show only if the rotor may turn"),
             Self::NotCounted { counted } => {
                 write!(
                     f,

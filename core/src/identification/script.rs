@@ -264,9 +264,9 @@ impl Script {
             Action::Count => {
                 has_no_fault(master)?;
                 if waited > UNMARKED {
-                    return Err(IdentificationError::NotMarked);
+                    self.span = 0;
                 }
-                Ok(self.marks > TURNS)
+                Ok(self.marks > TURNS || waited > UNMARKED)
             }
             Action::Settle { rpm, within } => self.has_settled(rpm, within, master, now, waited),
             Action::Stop => match master.state() {
