@@ -137,7 +137,7 @@ fn marks_that_tell_no_whole_number_are_refused() {
     })
     .unwrap_err();
     assert!(matches!(error, IdentificationError::NotCounted { .. }), "{error:?}");
-    insta::assert_snapshot!(error, @"pole pairs 2.50 by the marks: not a whole number, 1 to 50");
+    insta::assert_snapshot!(error, @"pole pairs 2.50 by the marks: no whole number, 1 to 50");
     assert_eq!(values(&mut rig), before);
     let unmarked = identify_within(200.0, &mut rig, Asked::new(None), |_, _| {}).unwrap_err();
     assert_eq!(unmarked, IdentificationError::NotCounted { counted: 0.0 });
@@ -251,7 +251,7 @@ fn hall_sensors_are_calibrated_on_request() {
 #[test]
 fn a_rotor_that_must_not_turn_is_held_alone() {
     let both = Identification::new(Asked { turn: false, halls: true, ..Asked::new(8) }).unwrap_err();
-    assert_eq!(both.to_string(), "hall sensors and pole pairs show only if the rotor may turn");
+    assert_eq!(both.to_string(), "hall sensors and pole pairs need a rotor that may turn");
     let mut rig = rig();
     let mut fastest = 0.0_f64;
     let found = identify(&mut rig, Asked { turn: false, ..Asked::new(8) }, |rig, _| {
@@ -288,7 +288,7 @@ fn what_is_wrong_has_a_name() {
     }
     let error = identify(&mut all_open, Asked::new(8), |_, _| {}).unwrap_err();
     assert!(matches!(error, IdentificationError::NoMotor { .. }), "{error}");
-    assert!(error.to_string().contains("is a motor connected"), "{error}");
+    assert!(error.to_string().contains("no motor is connected"), "{error}");
 
     let mut two = rig();
     two.bench.plant_mut().inject(Injection::OpenPhase(Phase::ALL[1]));

@@ -106,7 +106,7 @@ def test_what_is_wrong_has_a_name() -> None:
         bench.drive.identify(0)
     with pytest.raises(narx.ParameterError, match="6 A"):
         bench.drive.identify(8, current=7)
-    with pytest.raises(narx.ParameterError, match="only if the rotor may turn"):
+    with pytest.raises(narx.ParameterError, match="need a rotor that may turn"):
         bench.drive.identify(8, turn=False, halls=True)
 
 
@@ -126,5 +126,5 @@ def test_pole_pairs_are_counted_by_marks() -> None:
     assert found.pole_pairs == 8 and stages[:4] == ["asking", "holding", "counting", "spinning"]
     with pytest.raises(narx.ParameterError, match="pole_pairs is missing"):
         bench.drive.identify()
-    with pytest.raises(narx.ParameterError, match="only if the rotor may turn"):
+    with pytest.raises(narx.ParameterError, match="need a rotor that may turn"):
         bench.drive.identify(turn=False)

@@ -163,7 +163,7 @@ test("requests that were made before are answered first, and a start under way i
 test("an end without figures has its reason", async () => {
     const { pump, drive, bench } = await booted();
     for (const [options, name, message] of [
-        [{ turn: false }, "RangeError", "hall sensors and pole pairs show only if the rotor may turn"],
+        [{ turn: false }, "RangeError", "hall sensors and pole pairs need a rotor that may turn"],
         [{ polePairs: 0 }, "RangeError", "identify: polePairs 0: must be a whole number from 1 to 50"],
         [{ polePairs: 4, current: 7 }, "RangeError", "largest current 7 A must be above 0 and at most 6 A"],
         [{ polePairs: 4, bridge: 1 }, "RangeError", "resistance of the bridge 1 ohm must be 0 or more and below 1 ohm"],

@@ -102,13 +102,9 @@ impl fmt::Display for IdentificationError {
             Self::Bridge(value) => {
                 write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
-            Self::Held => f.write_str("hall sensors and pole pairs show only if the rotor may turn"),
+            Self::Held => f.write_str("hall sensors and pole pairs need a rotor that may turn"),
             Self::NotCounted { counted } => {
-                write!(
-                    f,
-                    "pole pairs {} by the marks: not a whole number, 1 to 50",
-                    Shown::Rounded(counted, 2)
-                )
+                write!(f, "pole pairs {} by the marks: no whole number, 1 to 50", Shown::Rounded(counted, 2))
             }
             Self::Rate(rate) => write!(f, "a PWM rate of {rate} Hz is not one of this drive"),
             Self::Value(error) => error.fmt(f),
@@ -122,12 +118,12 @@ impl fmt::Display for IdentificationError {
             }
             Self::NoMotor { duty } => write!(
                 f,
-                "no current is seen at a duty of {} %: is a motor connected, with all its phases? A winding of too high a resistance for this supply looks the same",
+                "no current is seen at a duty of {} %: no motor is connected, a phase is open, or its resistance is too high",
                 Shown::Rounded(100.0 * duty, 1)
             ),
             Self::Short { resistance } => write!(
                 f,
-                "the motor and the bridge have {} ohm together, no more than the bridge was said to have",
+                "motor and bridge have {} ohm together, no more than the bridge was said to have",
                 plain(resistance)
             ),
             Self::Sags { from, to } => write!(

@@ -515,7 +515,7 @@ impl Identification {
 
     /// The turns are marked: so many times has the field turned for each.
     fn counted(&mut self) -> Result<(), IdentificationError> {
-        let counted = FIELD * self.script.time_of_turn();
+        let counted = FIELD / f64::from(script::TURNS) * self.script.time_of_turns();
         let whole = round(counted) as u8;
         if fabs(counted - f64::from(whole)) > UNCLEAR || !POLE_PAIRS.contains(&whole) {
             return Err(IdentificationError::NotCounted { counted });

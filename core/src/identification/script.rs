@@ -74,7 +74,7 @@ impl Action {
 }
 
 /// Turns that are marked, at the begin of the first and at the end of each.
-const TURNS: u8 = 2;
+pub(super) const TURNS: u8 = 2;
 /// A mark that follows sooner is the same one, of a rotor that swings, microseconds.
 const SAME: u64 = 200_000;
 /// Longest wait for them, microseconds: two turns with 50 pole pairs take 50 s.
@@ -164,9 +164,9 @@ impl Script {
         counts
     }
 
-    /// Time of one turn, by the marks, s.
-    pub(super) fn time_of_turn(&self) -> f64 {
-        self.span as f64 * 1e-6 / f64::from(TURNS)
+    /// Time of [`TURNS`] turns, by the marks, s.
+    pub(super) fn time_of_turns(&self) -> f64 {
+        self.span as f64 * 1e-6
     }
 
     /// The values that were read.
