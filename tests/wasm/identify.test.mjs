@@ -159,7 +159,7 @@ test("a motor that is not there has its name, and the drive is as it was", async
     await page.locator("#inject").click();
     await go(page, "identify");
     await begin(page);
-    await page.locator("#identify-problem").getByText(/^No current is seen at a duty of [\d.]+ %: is a motor connected, .* The parameters have their former values\.$/).waitFor(LONG);
+    await page.locator("#identify-problem").getByText(/^No current is seen at a duty of [\d.]+ %: no motor is connected, .* The parameters have their former values\.$/).waitFor(LONG);
     await inState(page, "Standby");
     assert.equal(await page.locator("#identified").count(), 0);
     assert.deepEqual(complaints, []);

@@ -20,8 +20,8 @@ pub enum IdentificationError {
     Bridge(f64),
     /// Hall sensors, or pole pairs that were not given, of a rotor that must not turn.
     Held,
-    /// The marks tell no whole number of pole pairs, or one outside 1 to 50; 0 if three were not seen in three
-    /// minutes.
+    /// The marks tell no whole number of pole pairs, or one outside 1 to 50; 0 if three were not seen in
+    /// three minutes.
     NotCounted {
         /// Electrical revolutions a turn.
         counted: f64,
