@@ -364,6 +364,9 @@ def test_a_short_run_makes_no_bar(bench: narx.Bench, monkeypatch: pytest.MonkeyP
         return real(*arguments, **options)
 
     monkeypatch.setattr(tqdm.auto, "tqdm", counted)
+    bench.run(1.5)
+    assert made == [], "nobody sees it"
+    monkeypatch.setattr("narx.progress.is_watched", lambda: True)
     bench.run(0.002)
     bench.run(1.5)
     assert made == [1.5]
