@@ -75,9 +75,7 @@ def test_the_log_is_written_downloaded_and_erased(drive):
     records = log.download()
     assert list(records) == ["index", "time", "HV Voltage mean", "Mechanical estimated speed HES max", "Drive state"]
     assert len(records) == len(log) and records["index"].tolist() == list(range(len(records)))
-    # On a busy machine the emulated processor does its background late at times, and so writes a row late.
-    periods = np.diff(records.time)[1:-1]
-    assert np.median(periods) == pytest.approx(0.01) and periods.min() == pytest.approx(0.01)
+    assert np.diff(records.time)[1:-1] == pytest.approx(0.01)
     assert records["HV Voltage mean"] == pytest.approx(24.0, rel=0.1)
     assert {State.HALL_CLOSED_LOOP} <= set(records["Drive state"])
     assert drive.wait_for(lambda: drive.state is State.STANDBY, timeout=60.0)

@@ -269,14 +269,10 @@ fn the_largest_current_is_kept() {
     let mut rig = rig();
     let mut peak = 0.0_f64;
     let asked = Asked { current: Some(1.5), ..Asked::new(8) };
-    let found = identify(&mut rig, asked, |rig, identification| {
-        if identification.stage() == Stage::Holds {
-            peak = peak.max(rig.bench.plant().peak_current());
-        }
-    })
-    .unwrap();
+    let found =
+        identify(&mut rig, asked, |rig, _| peak = peak.max(rig.bench.plant().peak_current())).unwrap();
     assert!(found.current <= 1.5, "{}", found.current);
-    // With its ripple.
+    // Of starts, too, and with its ripple.
     assert!(peak < 2.5, "{peak}");
 }
 

@@ -177,8 +177,8 @@ impl Identification {
     /// the shaft at rest.
     ///
     /// # Errors
-    /// Pole pairs outside 1 to 50, a current or a bridge that is no positive number, or hall sensors of a
-    /// rotor that is held.
+    /// Pole pairs outside 1 to 50, a current or a bridge that is no positive number, or hall sensors, or
+    /// pole pairs that were not given, of a rotor that is held.
     pub fn new(asked: Asked) -> Result<Self, IdentificationError> {
         if let Some(value) = asked.pole_pairs
             && !POLE_PAIRS.contains(&value)
