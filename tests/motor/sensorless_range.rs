@@ -4,7 +4,7 @@ use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
 use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::number;
-use narx_core::motor::{RunRequest, State};
+use narx_core::motor::{Board, RunRequest, State};
 use narx_sim::plant::{BackEmf, ComparatorConfig, LoadConfig, MotorConfig, Plant, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 
@@ -77,6 +77,30 @@ fn samples_carry_to_24000_electrical_rpm() {
         let steady = measure(&mut closed, 3_000);
         assert!((steady.rpm / 6_000.0 - 1.0).abs() <= 0.005, "{supply} V: {steady:?}");
         assert!(steady.mean.abs() <= 2.0 && steady.worst <= 5.0 && steady.jitter <= 0.02, "{steady:?}");
+    }
+}
+
+/// A hundredth of the largest set-point, without load. The threshold of the off-time is 10 degrees off then,
+/// late on a rising crossing and early on a falling one.
+#[test]
+fn a_hundredth_of_the_speed_is_held_at_20_khz() {
+    for (name, rpm) in [("bly172s-24v", 84), ("bly171d-24v", 87), ("dma0204024b101-24v", 59)] {
+        let preset = PRESETS.iter().find(|preset| preset.name == name).unwrap();
+        let mut config = PlantConfig::new(preset.motor, 48.0);
+        (config.angle_deg, config.board) = (77.0, Board::BENCH.at_rate(20_000).unwrap());
+        let slow = [(number::SPEED_MIN_SL, rpm), (number::ZC_PERIOD_MAX, 1_000)];
+        let mut closed = Closed::rated(&config, &slow, Mode::Sensorless, preset.data.rated_current);
+        // Initialization takes half a second.
+        closed.run(10_200);
+        let rpm = f64::from(rpm);
+        closed.set_point = rpm;
+        closed.ask(RunRequest::Drive);
+        closed.run(140_000);
+        let mean = closed.mean_rpm(20_000, |drive| {
+            assert_eq!(drive.state(), State::SensorlessClosedLoop, "{name}");
+        });
+        println!("{name}: {mean:.1} of {rpm} rpm");
+        assert!((mean / rpm - 1.0).abs() <= 0.015, "{name}: {mean:.1} of {rpm} rpm");
     }
 }
 

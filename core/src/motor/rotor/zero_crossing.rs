@@ -168,8 +168,9 @@ impl ZeroCrossing {
             self.why = Why::Filtered;
             return false;
         }
-        let offset = self.threshold_angle(threshold, back_emf);
-        self.accept(place, offset, age, Why::Accepted);
+        // A crossing that is still to come counts as of now.
+        let age = age.saturating_add(self.lateness(threshold, back_emf)).max(age.min(0));
+        self.accept(place, age, Why::Accepted);
         if starting && self.consistent < 3 {
             // The interval may hold a rest: on to the next step, which pulls as well, until two have been
             // measured.
@@ -222,7 +223,7 @@ impl ZeroCrossing {
         }
         self.polarities = 3;
         self.coasting = true;
-        self.accept(place % 12, 0, age, Why::Listened);
+        self.accept(place % 12, age, Why::Listened);
     }
 
     /// Earlier than half the expected interval is no crossing.
@@ -241,23 +242,24 @@ impl ZeroCrossing {
         if to >= from { to - from } else { to + 12 - from }
     }
 
-    /// Angle by which the threshold lay beyond the true crossing, in the direction of motion, u32 turn. With
-    /// E the line-to-line back-EMF the signal's slope at its crossing is 1.85 E a radian, 11.6 E a turn, for
-    /// both shapes within 3 %.
-    fn threshold_angle(&self, threshold: i32, back_emf: Gain) -> i32 {
-        if threshold == 0 || self.speed_mean == 0 {
+    /// Time from the true crossing to the instant at which the signal stood at `threshold`, 1/65 536 tick; 0
+    /// while the speed is not yet known well. With E the line-to-line back-EMF the signal's slope at its
+    /// crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
+    fn lateness(&self, threshold: i32, back_emf: Gain) -> i32 {
+        if threshold == 0 || !self.is_prepared() {
             return 0;
         }
         // 11.6 = 2969 / 256. At most 10 degrees.
         let volts = back_emf.apply32(self.speed_mean.saturating_abs()).max(1) as u32;
         let slope = (volts >> 4).saturating_mul(2969) >> 4;
-        let share = (threshold.unsigned_abs().min(0xFFFF) << 15) / slope.max(1);
-        let turn = (share.min(910) << 17) as i32;
-        if threshold < 0 { -turn } else { turn }
+        let share = ((threshold.unsigned_abs().min(0xFFFF) << 15) / slope.max(1)).min(910);
+        // 32 768 are a turn, which has six intervals.
+        let time = ((self.interval >> 8).saturating_mul(6 * share) >> 7) as i32;
+        if threshold < 0 { -time } else { time }
     }
 
-    /// The rotor was `offset` beyond `place` (in the direction of motion) `age` ago.
-    fn accept(&mut self, place: u8, offset: i32, age: i32, why: Why) {
+    /// The rotor was at `place` `age` ago.
+    fn accept(&mut self, place: u8, age: i32, why: Why) {
         let twelfths = self.twelfths_to(place);
         // After a revolution without a crossing that was seen the places no longer tell how far it has
         // turned.
@@ -267,7 +269,7 @@ impl ZeroCrossing {
         }
         let known = self.since < u32::MAX / 2 && twelfths > 0;
         let each = elapsed(self.since, age).saturating_mul(2) / u32::from(twelfths.max(1));
-        let miss = self.miss(place, offset, age);
+        let miss = self.miss(place, age);
         if known {
             self.learn(each, (twelfths / 2).clamp(1, 2));
         }
@@ -288,9 +290,9 @@ impl ZeroCrossing {
     /// Returns the rotor's angle `age` ago, and its distance from the estimated angle, u32 turn. Stores that
     /// distance as the margin.
     #[inline]
-    fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
+    fn miss(&mut self, place: u8, age: i32) -> (u32, i32) {
         let sign = self.direction.sign();
-        let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
+        let here = TWELFTH.wrapping_mul(place.into());
         let error = here.wrapping_sub(self.angle.wrapping_sub(part_of(self.speed, age))) as i32;
         self.margin = ((error.wrapping_mul(-sign)) >> 16) as i16;
         (here, error)
