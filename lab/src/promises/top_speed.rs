@@ -147,10 +147,10 @@ const FLAT_CONSTANT: f64 = 0.0251;
 const FLAT_CURRENT: f64 = 3.68;
 
 /// T-Motor U8 KV150, an outrunner for large propellers: 21 pole pairs, 150 rpm a volt, 86 mohm and 40 uH
-/// line to line (github EelcoHoogendoorn/pypowertrain, of store.tmotor.com/product/u8-v2-u-efficiency-kv150).
-/// Estimated: the inertia, of 80 g of its 273 g at a radius of 35 mm, and the friction, of 0.3 A without load;
-/// the rest is as of the other motor. Its load is what the ripple of 40 uH leaves of the drive's 6 A: 140 W at
-/// 100 000 electrical rpm, 164 W at 150 000.
+/// line to line (github EelcoHoogendoorn/pypowertrain, of the page u8-v2-u-efficiency-kv150 of
+/// store.tmotor.com). Estimated: the inertia, of 80 g of its 273 g at a radius of 35 mm, and the friction, of
+/// 0.3 A without load; the rest is as of the other motor. Its load is what the ripple of 40 uH leaves of the
+/// drive's 6 A: 140 W at 100 000 electrical rpm, 164 W at 150 000.
 fn outrunner(sibling: MotorConfig) -> MotorConfig {
     MotorConfig {
         resistance: 0.086,
