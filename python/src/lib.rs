@@ -25,7 +25,7 @@ mod tx_driver;
 mod tx_master;
 mod virtual_bus;
 
-/// The memory of a dropped column serves the next run: a fresh page costs the kernel as much as four ticks.
+/// The memory of a dropped column serves the next run: the kernel takes long for fresh pages.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -85,6 +85,7 @@ fn commission(point: &Point<'_>, least: f64) -> Option<Commissioning> {
     let mut set = |number, value| engineering::set(&mut commissioning.parameters, number, value).ok();
     if least < commissioning.speed_min {
         set(number::SPEED_MIN_SL, least)?;
+        // In 100 us; six sectors are an electrical revolution.
         let sector = 10.0 / (least * f64::from(point.preset.motor.pole_pairs));
         set(number::ZC_PERIOD_MAX, TIME_OUT.max(2.0 * sector) * 10_000.0)?;
     }

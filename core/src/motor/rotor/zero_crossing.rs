@@ -243,10 +243,10 @@ impl ZeroCrossing {
     }
 
     /// Time from the true crossing to the instant at which the signal stood at `threshold`, 1/65 536 tick; 0
-    /// while the speed is not yet known well. With E the line-to-line back-EMF the signal's slope at its
-    /// crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
+    /// while the speed, or the back-EMF constant, is not known. With E the line-to-line back-EMF the signal's
+    /// slope at its crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
     fn lateness(&self, threshold: i32, back_emf: Gain) -> i32 {
-        if threshold == 0 || !self.is_prepared() {
+        if threshold == 0 || back_emf == Gain::ZERO || !self.is_prepared() {
             return 0;
         }
         // 11.6 = 2969 / 256. At most 10 degrees.
