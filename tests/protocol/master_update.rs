@@ -279,6 +279,16 @@ fn a_drive_that_has_not_restarted_is_asked_again() {
     assert_eq!(again, 1000 * MS);
 }
 
+/// A caller that looks when the erasing has already ended has been told of it: it begins with its request.
+#[test]
+fn erasing_begins_with_its_request() {
+    let mut script = Script::at(At::Begin);
+    let stage = |script: &Script| script.master.update_progress().unwrap().stage;
+    assert_eq!(stage(&script), UpdateStage::Erasing);
+    script.receive(status(Receiving, Done, WINDOW, 0));
+    assert_eq!(stage(&script), UpdateStage::Sending);
+}
+
 /// If a part of the image is missing, the master goes on from the drive's position, in whatever stage it is
 /// reported.
 #[test]

@@ -5,6 +5,7 @@ import { spawn } from "node:child_process";
 import { createServer } from "node:http";
 import { connect } from "node:net";
 import { fileURLToPath } from "node:url";
+import { SlcanLines, encodeSlcan, openSlcan } from "../../wasm/pkg/node/core.js";
 
 /** The virtual drive with its bus as slcan on a TCP port: `{ port, end() }`. */
 export async function serveDrive(...options) {
@@ -15,10 +16,32 @@ export async function serveDrive(...options) {
         told += piece;
         const port = told.match(/127\.0\.0\.1:(\d+)/)?.[1];
         if (port !== undefined) {
+            await allowSilence(Number(port));
             return { port: Number(port), end: () => drive.kill() };
         }
     }
     throw new Error(`the virtual drive did not begin: ${told}`);
+}
+
+/** CAN time-out of the drive in these tests, ms. After its 250 ms it stops the motor, and a page on a busy machine falls silent for longer. */
+const SILENCE = 5000;
+
+/** Writes parameter 114, the CAN time-out, which the drive takes in Standby: PARAMETER with number, value and status, identifier 0AAD526Eh. */
+async function allowSilence(port) {
+    const socket = connect({ port, host: "127.0.0.1", noDelay: true });
+    const lines = new SlcanLines();
+    const data = Uint8Array.of(0, 114, 0, 0, SILENCE >> 8, SILENCE & 0xff, 0, 0);
+    const write = encodeSlcan({ id: 0x0aad_526e, extended: true, data });
+    socket.write(openSlcan());
+    socket.write(write);
+    for await (const bytes of socket) {
+        const answers = lines.handleBytes(bytes).filter(({ id }) => (id & 0x1ff) === 0x6e);
+        if (answers.some((answer) => Buffer.from(data).equals(answer.data))) {
+            return;
+        }
+        answers.forEach(() => socket.write(write));
+    }
+    throw new Error("the virtual drive has closed the connection");
 }
 
 /** Gives a page a serial port behind which the drive is. `unplug()` takes it away, as a hand would; `written` is what the page has sent. */

@@ -101,7 +101,7 @@ pub enum UpdateError {
 pub enum UpdateStage {
     /// Asks whether the drive takes the image.
     Asking,
-    /// The drive erases its slot.
+    /// The drive is asked to erase its slot, and erases it.
     Erasing,
     /// Blocks are sent.
     Sending,
@@ -254,8 +254,8 @@ impl Update {
     pub(super) fn progress(&self) -> Option<UpdateProgress> {
         let Self::UnderWay(UnderWay { image, stage, offset, .. }) = self else { return None };
         let stage = match stage {
-            Stage::Device | Stage::Version | Stage::Begin => UpdateStage::Asking,
-            Stage::Erasing => UpdateStage::Erasing,
+            Stage::Device | Stage::Version => UpdateStage::Asking,
+            Stage::Begin | Stage::Erasing => UpdateStage::Erasing,
             Stage::Sending => UpdateStage::Sending,
             Stage::End | Stage::Verifying => UpdateStage::Verifying,
             Stage::Reboot | Stage::Waiting | Stage::Checking | Stage::Confirm => UpdateStage::Restarting,
