@@ -12,6 +12,8 @@ struct Flight {
     slowest: f64,
     peak: f64,
     bus_max: f64,
+    /// Time from the request until it turns at half of the set-point, s.
+    up: f64,
 }
 
 /// Boots, lets the rotor turn with `rpm`, and requests Drive for three seconds. `inertia` is the load's, in
@@ -29,13 +31,17 @@ fn fly(supply: f64, rpm: f64, inertia: f64) -> Flight {
     }
     closed.ask(RunRequest::Drive);
     let (mut slowest, mut peak, mut bus_max) = (f64::INFINITY, 0.0_f64, 0.0_f64);
-    for _ in 0..30_000 {
+    let mut up = f64::INFINITY;
+    for tick in 0..30_000 {
         closed.tick();
+        if closed.rpm() > RPM / 2.0 {
+            up = up.min(1e-4 * f64::from(tick));
+        }
         let seen = closed.plant.observe();
         slowest = slowest.min(closed.rpm());
         (peak, bus_max) = (peak.max(seen.peak_current), bus_max.max(seen.bus_voltage));
     }
-    Flight { closed, slowest, peak, bus_max }
+    Flight { closed, slowest, peak, bus_max, up }
 }
 
 /// A rotor that turns forward is caught at its speed and led to the set-point, neither to rest nor to the
@@ -70,6 +76,19 @@ fn a_rotor_that_turns_backward_is_braked_first() {
             assert!(flight.closed.rpm() > 0.9 * RPM, "{name}: {:.0} rpm", flight.closed.rpm());
             assert!(flight.bus_max < 61.0, "{name}: {:.1} V", flight.bus_max);
             assert!(flight.peak <= 12.6, "{name}: {:.1} A", flight.peak);
+        }
+    }
+}
+
+/// The kick of a rotor that was braked begins late. It has its time all the same, and brings the rotor up.
+#[test]
+fn a_rotor_that_was_braked_is_started_by_its_first_kick() {
+    for supply in [18.0, 24.0, 36.0, 48.0] {
+        for inertia in [0.0, 1.0, 2.0] {
+            for rpm in [-200.0, -500.0, -900.0] {
+                let up = fly(supply, rpm, inertia).up;
+                assert!(up < 0.45, "{supply} V, {rpm} rpm, {inertia} rotors: {up:.3} s");
+            }
         }
     }
 }

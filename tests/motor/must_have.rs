@@ -116,7 +116,7 @@ fn demagnetisation_is_no_evidence() {
     let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
     let c =
         BackEmfCoefficients { terminal, noise: 80, discard: 1 << 16, earliest: 8_192, ..Default::default() };
-    let point = OperatingPoint { torque: Direction::Forward, interval: 24 << 16 };
+    let point = OperatingPoint { torque: Direction::Forward, interval: 24 << 16, accelerates: false };
     let mut station = Station::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {

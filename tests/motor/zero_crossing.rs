@@ -127,7 +127,7 @@ fn coefficients() -> BackEmfCoefficients {
 
 /// Operating point with a sector every `interval` (1/65 536 tick), and an unknown back-EMF.
 fn forward(interval: u32) -> OperatingPoint {
-    OperatingPoint { torque: Direction::Forward, interval }
+    OperatingPoint { torque: Direction::Forward, interval, accelerates: false }
 }
 
 fn raw(volts: f64) -> i32 {
@@ -155,16 +155,27 @@ fn fall(
     mode: SampleMode,
     interval: u32,
 ) -> Vec<Seen> {
+    fall_at(c, bus, volts, crossing, mode, &forward(interval))
+}
+
+/// Runs [`fall`] at an operating point.
+fn fall_at(
+    c: &BackEmfCoefficients,
+    bus: f64,
+    volts: f64,
+    crossing: f64,
+    mode: SampleMode,
+    point: &OperatingPoint,
+) -> Vec<Seen> {
     let mut station = Station::default();
     let applied = |step| PwmCommand { step, sample_mode: mode, ..PwmCommand::default() };
     // One tick of the previous step, so that AB begins at its first tick.
-    let point = forward(interval);
-    station.step(c, &terminals(bus, 0.0, mode), raw(bus), &applied(Step::CB), &point);
+    station.step(c, &terminals(bus, 0.0, mode), raw(bus), &applied(Step::CB), point);
     (1..40)
         .map(|tick| {
             let emf = (crossing - f64::from(tick)) * volts;
             let samples = terminals(bus, emf, mode);
-            station.step(c, &samples, raw(bus), &applied(Step::AB), &point)
+            station.step(c, &samples, raw(bus), &applied(Step::AB), point)
         })
         .collect()
 }
@@ -254,6 +265,20 @@ fn nothing_is_seen_while_blanked() {
     assert_eq!(first(0, 20), 3, "an eighth of 20 ticks");
     assert_eq!(first(4, 20), 5, "4 ticks");
     assert_eq!(first(9, 20), 6, "a quarter of 20 ticks");
+}
+
+/// The first step of a kick may have held a rest. What follows is blanked for no longer than a winding
+/// carries current, so that the crossing of a rotor that has gained speed is seen.
+#[test]
+fn a_rotor_that_gains_speed_is_not_blanked_for_long() {
+    let c = BackEmfCoefficients { settle: 8, ..coefficients() };
+    let seen = |accelerates| {
+        let point = OperatingPoint { accelerates, ..forward(240 << 16) };
+        crossing(&fall_at(&c, 24.0, 0.4, 20.0, SampleMode::OnTime, &point))
+    };
+    assert_eq!(seen(false), None, "an eighth of 240 ticks is blanked");
+    let found = seen(true).expect("the crossing");
+    assert!((found - 20.0).abs() < 1.0, "{found}");
 }
 
 /// A level that is beyond the crossing from the start means demagnetisation or a late observation, never a

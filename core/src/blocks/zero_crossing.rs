@@ -257,7 +257,7 @@ impl ZeroCrossing {
             if self.back_emf.coasts() {
                 self.listening.reset(now);
             }
-            let point = OperatingPoint { torque, interval: self.estimator.expected() };
+            let point = OperatingPoint { torque, interval: self.estimator.expected(), accelerates: false };
             end = self.back_emf.follow(c, now, samples, applied, &point);
         }
         let observation = self.back_emf.look(c, now, samples, bus_voltage, applied.sample_at);

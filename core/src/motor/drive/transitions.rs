@@ -42,10 +42,15 @@ impl Drive {
             State::OpenLoop if !self.machine.is_sensorless() => {
                 self.machine.calibrating() || self.rotor.field.stopped()
             }
-            // What was not brought up by the end of open loop (T34) has the time-out to show a crossing.
-            State::SensorlessClosedLoop if self.rotor.sensorless.is_kicking() => {
-                self.machine.age(self.now) > self.coefficients.sensorless.timeout >> 16
-            }
+            // Open loop and the time-out after it are the time for a kick, which begins later where the rotor
+            // was to be braked.
+            State::SensorlessClosedLoop => match self.rotor.sensorless.start_age(self.now) {
+                Some(age) => {
+                    let c = &self.coefficients;
+                    age > c.machine.open_loop.saturating_add(c.sensorless.timeout >> 16)
+                }
+                None => stands,
+            },
             _ => stands,
         }
     }

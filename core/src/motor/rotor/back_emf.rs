@@ -66,6 +66,8 @@ pub struct OperatingPoint {
     pub torque: Direction,
     /// Time of a sector, 1/65 536 tick; 0 unknown.
     pub interval: u32,
+    /// The rotor is being brought up: a sector may be much shorter than the one before it.
+    pub accelerates: bool,
 }
 
 /// Finding of one tick about the step's crossing.
@@ -368,7 +370,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> bool {
         let missed = self.passage != Passage::Found && self.whole && step.sector().is_some();
-        let OperatingPoint { torque, interval } = *point;
+        let OperatingPoint { torque, interval, accelerates } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
         let shift = match interval >> 16 {
             0 if interval == 0 => 3,
@@ -381,7 +383,7 @@ impl BackEmf {
         (self.step, self.watch) = (step, watch(step, torque));
         (self.passage, self.shift) = (Passage::Unseen, shift);
         (self.began, self.first_age) = (now, TICK - u32::from(instant));
-        (self.blank, self.interval) = (blanking(c, interval), interval);
+        (self.blank, self.interval) = (blanking(c, interval, accelerates), interval);
         if shift > 0 {
             let emf = if interval > 0 { c.emf_of_turns.apply32(speed_of(1, interval)) } else { 0 };
             self.flank = c.terminal.codes_of_difference(emf / 4);
@@ -498,10 +500,13 @@ impl Watch {
     }
 }
 
-/// Blanking = max(time floor, an eighth of the step), but a sample before the crossing must be left: at most
-/// a quarter of the step.
-fn blanking(c: &BackEmfCoefficients, interval: u32) -> u32 {
-    if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) }
+/// Blanking: an eighth of the step, at least the discard time (parameter 86), but a sample before the
+/// crossing must be left: at most a quarter of the step. The step before may have held a rest while the
+/// rotor `accelerates`, and an eighth of that can outlast the crossing: then at most as long as a winding
+/// carries current.
+fn blanking(c: &BackEmfCoefficients, interval: u32, accelerates: bool) -> u32 {
+    let longest = if accelerates { u32::from(c.settle) * TICK } else { u32::MAX };
+    if interval == 0 { c.discard } else { c.discard.max((interval / 8).min(longest)).min(interval / 4) }
 }
 
 /// The signal of a running step with torque in `torque`.

@@ -196,7 +196,8 @@ impl Sensorless {
         if self.back_emf.coasts() {
             self.listening.reset(now);
         }
-        let point = OperatingPoint { torque, interval: self.estimator.expected() };
+        let accelerates = self.phase == Phase::Kick;
+        let point = OperatingPoint { torque, interval: self.estimator.expected(), accelerates };
         let end = self.back_emf.follow(&c.back_emf, now, samples, applied, &point);
         self.expect_crossing();
         end
@@ -384,7 +385,7 @@ impl Sensorless {
 
     /// A start was ended: the rotor that was being brought up coasts, and is listened to.
     pub fn end_start(&mut self, now: Instant) {
-        if self.is_kicking() {
+        if self.phase == Phase::Kick {
             self.go(now, Phase::Listen);
         }
     }
@@ -562,9 +563,14 @@ impl Sensorless {
         &self.estimator
     }
 
-    /// The rotor is being brought up.
-    pub const fn is_kicking(&self) -> bool {
-        matches!(self.phase, Phase::Kick)
+    /// Age of the kick, ticks; 0 before it, while the rotor is braked or held. `None`: the rotor is not being
+    /// brought up.
+    pub const fn start_age(&self, now: Instant) -> Option<u32> {
+        match self.phase {
+            Phase::Brake | Phase::Align => Some(0),
+            Phase::Kick => Some(now.since(self.since)),
+            Phase::Listen | Phase::Run => None,
+        }
     }
 
     /// The bridge holds the rotor or turns it: it does not coast.
