@@ -42,8 +42,8 @@ impl Drive {
             State::OpenLoop if !self.machine.is_sensorless() => {
                 self.machine.calibrating() || self.rotor.field.stopped()
             }
-            // Open loop and the time-out after it are the time for a kick, which begins later where the rotor
-            // was to be braked.
+            // A kick may take as long as open loop and the time-out together. It begins late if the rotor had
+            // to be braked.
             State::SensorlessClosedLoop => match self.rotor.sensorless.start_age(self.now) {
                 Some(age) => {
                     let c = &self.coefficients;
