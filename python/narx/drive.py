@@ -376,9 +376,9 @@ class Drive:
         "spinning", "accelerating", "calibrating", "restoring".
 
         The shaft must be free and at rest, and the drive in Standby. At the end the motor stands and every
-        parameter but those of scope and hall sensors has its former value, also after an error or Ctrl-C. Before k is known the rotor
-        turns at 50 electrical revolutions a second, or a little more; from then on at half of its nominal speed
-        at most. Raises StartError for a motor that is missing, blocked or incomplete, or that the drive cannot
+        parameter but those of scope and hall sensors has its former value, also after an error or Ctrl-C. The duty is
+        50 % at most until k is known, and 60 % afterwards, so that the rotor turns at half of its nominal speed or
+        little more. Raises StartError for a motor that is missing, blocked or incomplete, or that the drive cannot
         turn, and for a drive that is not in Standby.
         """
         self._refuse_silence()

@@ -7,7 +7,7 @@ use narx_core::identification::{Asked, Figure, Identification, IdentificationErr
 use narx_core::master::{Config, Job, JobError, Request};
 use narx_core::motor::guard::fault::Cause;
 use narx_core::motor::{Board, State};
-use narx_sim::plant::{HallConfig, Injection, MotorConfig, Phase, PlantConfig};
+use narx_sim::plant::{BackEmf, HallConfig, Injection, MotorConfig, Phase, PlantConfig};
 use narx_sim::presets::preset;
 use std::f64::consts::TAU;
 
@@ -168,6 +168,131 @@ fn a_motor_that_takes_a_few_milliamperes_is_measured() {
         assert!(turned.inertia.uncertainty < 0.15 * motor.inertia, "{}", turned.inertia.uncertainty);
         within(turned.inertia, motor.inertia, 0.10);
         within(turned.friction, motor.static_friction + motor.viscous_friction * turned.speed, 0.10);
+    }
+}
+
+/// Motors that a first guess does not fit: what they are, and their plant.
+fn hard_to_start() -> [(&'static str, PlantConfig); 4] {
+    let market = preset("ec45-flat-50w-18v").unwrap().motor;
+    let plant = |supply: f64, seed: u64, ambient: f64, offsets: [f64; 5], motor: MotorConfig| {
+        let mut plant = PlantConfig { seed, ambient, ..PlantConfig::new(motor, supply) };
+        let [bus, a, b, c, current] = offsets;
+        plant.converter.bus_voltage_offset = bus;
+        plant.converter.phase_voltage_offset = [a, b, c];
+        plant.converter.bus_current_offset = current;
+        plant
+    };
+    [
+        (
+            "its speed loop is slower than its ramp",
+            plant(
+                20.66,
+                15,
+                23.2,
+                [2.8, -1.01, -0.62, -0.02, 0.43],
+                MotorConfig {
+                    pole_pairs: 2,
+                    resistance: 0.63,
+                    inductance: 0.632e-3,
+                    torque_constant: 0.136,
+                    inertia: 1.51e-4,
+                    static_friction: 6.73e-3,
+                    viscous_friction: 2.5e-4,
+                    cogging_torque: 6.16e-3,
+                    cogging_periods: 12,
+                    back_emf: BackEmf::Sinusoidal,
+                    ..market
+                },
+            ),
+        ),
+        (
+            "its first coast shows too little",
+            plant(
+                40.94,
+                93,
+                46.1,
+                [-2.15, 1.25, 1.75, 1.39, 1.66],
+                MotorConfig {
+                    pole_pairs: 13,
+                    resistance: 13.15,
+                    inductance: 24.87e-3,
+                    torque_constant: 0.1202,
+                    inertia: 2.847e-6,
+                    static_friction: 1.614e-3,
+                    viscous_friction: 1.456e-5,
+                    cogging_torque: 3.586e-3,
+                    cogging_periods: 78,
+                    back_emf: BackEmf::Trapezoidal { flat_top_deg: 128.0 },
+                    ..market
+                },
+            ),
+        ),
+        (
+            "its current takes more than a sector to rise",
+            plant(
+                45.84,
+                919,
+                22.9,
+                [0.43, -1.15, -0.18, 1.85, -0.9],
+                MotorConfig {
+                    pole_pairs: 13,
+                    resistance: 4.591,
+                    inductance: 7.669e-3,
+                    torque_constant: 0.08504,
+                    inertia: 1.701e-5,
+                    static_friction: 22.34e-3,
+                    viscous_friction: 2.653e-5,
+                    cogging_torque: 2.546e-3,
+                    cogging_periods: 78,
+                    back_emf: BackEmf::Sinusoidal,
+                    ..market
+                },
+            ),
+        ),
+        (
+            "it does not start with its measured inertia",
+            plant(
+                22.47,
+                322,
+                5.7,
+                [-0.93, -0.78, 1.73, 1.75, 1.86],
+                MotorConfig {
+                    pole_pairs: 4,
+                    resistance: 10.37,
+                    inductance: 1.653e-3,
+                    torque_constant: 0.115,
+                    inertia: 2.03e-5,
+                    static_friction: 3.826e-3,
+                    viscous_friction: 5.918e-6,
+                    cogging_torque: 1.95e-3,
+                    cogging_periods: 24,
+                    back_emf: BackEmf::Trapezoidal { flat_top_deg: 146.0 },
+                    ..market
+                },
+            ),
+        ),
+    ]
+}
+
+#[test]
+fn motors_that_are_hard_to_start_are_measured_all_the_same() {
+    for (why, plant) in hard_to_start() {
+        let (motor, supply) = (plant.motor, plant.supply.voltage);
+        let mut rig = Rig::of(plant, Parameters::new(), Config::default());
+        rig.until(State::Standby);
+        let mut fastest = 0.0_f64;
+        let found = identify(&mut rig, Asked::new(motor.pole_pairs), |rig, _| {
+            fastest = fastest.max(rig.bench.plant().observe().speed.abs());
+        });
+        let turned = found.unwrap_or_else(|error| panic!("{why}: {error}")).turned.unwrap();
+        let friction = motor.static_friction + motor.viscous_friction * turned.speed;
+        for (figure, truth) in [(turned.inertia, motor.inertia), (turned.friction, friction)] {
+            let Figure { value, uncertainty } = figure;
+            let allowed = uncertainty.max(0.1 * truth);
+            assert!((value - truth).abs() <= allowed, "{why}: {value} +- {uncertainty}, not {truth}");
+        }
+        let share = fastest * motor.torque_constant / supply;
+        assert!(share < 0.62, "{why}: it has turned at {share:.2} of its nominal speed");
     }
 }
 

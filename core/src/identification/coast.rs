@@ -30,6 +30,8 @@ const HIDDEN: f64 = 0.75;
 const CHORD: f64 = 0.16;
 /// Thirds at less than this share of the largest speed tell the deceleration alone.
 const FAST: f64 = 0.7;
+/// Largest standard error of the flux, as a share.
+const UNSURE: f64 = 0.03;
 /// A third that is seen in fewer samples tells nothing.
 const SAMPLES: usize = 4;
 /// Most thirds that are kept.
@@ -103,6 +105,9 @@ impl Coast {
             flux.add(&[1.0], third.whole_flux(record.interval), 1.0);
         }
         let flux = flux.solve()?;
+        if flux.error[0] == 0.0 || flux.error[0] > UNSURE * flux.value[0] {
+            return None;
+        }
         let (friction, begin, error, split) = friction(&thirds)?;
         let mean = (first.speed + last.speed) / 2.0;
         Some(Self {
@@ -198,11 +203,6 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
         }
     }
     thirds
-}
-
-/// Highest voltage of a terminal while the rotor coasts, V.
-pub(super) fn highest(record: &Record) -> f64 {
-    record.rows::<3>().skip(SKIPPED).flatten().fold(0.0, fmax)
 }
 
 /// Samples after the stop in which the winding's current may still flow.

@@ -114,18 +114,16 @@ impl fmt::Display for IdentificationError {
             Self::NotInStandby(None) => f.write_str("the state of the drive is not known"),
             Self::Lost => f.write_str("nothing is received from the drive"),
             Self::NoScope { room } => {
-                write!(f, "the scope's memory of {room} words is too small: identification needs 1024")
+                write!(f, "the scope's memory of {room} words is less than 1024")
             }
             Self::NoMotor { duty } => write!(
                 f,
                 "no current is seen at a duty of {} %: no motor is connected, a phase is open, or its resistance is too high",
                 Shown::Rounded(100.0 * duty, 1)
             ),
-            Self::Short { resistance } => write!(
-                f,
-                "motor and bridge have {} ohm together, no more than the bridge was said to have",
-                plain(resistance)
-            ),
+            Self::Short { resistance } => {
+                write!(f, "motor and bridge have {} ohm, no more than the bridge alone", plain(resistance))
+            }
             Self::Sags { from, to } => write!(
                 f,
                 "the supply falls from {} to {} V under load",
@@ -147,7 +145,7 @@ impl fmt::Display for IdentificationError {
             }
             Self::NoRoom { slow, fast } => write!(
                 f,
-                "between {} and {} rpm there is no room to accelerate on this supply",
+                "the supply leaves no room between {} and {} rpm",
                 Shown::Rounded(slow, 0),
                 Shown::Rounded(fast, 0)
             ),

@@ -330,7 +330,7 @@ impl Script {
             return Ok(false);
         }
         // A speed that is not held well is good enough to coast from.
-        if speed > rpm / 2.0 { Ok(true) } else { Err(IdentificationError::NotReached { rpm, reached }) }
+        if speed > rpm / 4.0 { Ok(true) } else { Err(IdentificationError::NotReached { rpm, reached }) }
     }
 }
 

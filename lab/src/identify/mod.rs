@@ -104,6 +104,8 @@ struct Trial {
     time: f64,
     /// Time, s, and largest phase current, A, of each of [`STAGES`].
     stages: [(f64, f64); STAGES.len()],
+    /// Largest speed, as a share of the one whose back-EMF is the supply's voltage.
+    fastest: f64,
 }
 
 /// A measured figure and its stated uncertainty, over the true one.
@@ -138,6 +140,7 @@ impl Trial {
         let mut identification = Identification::new(Asked::new(motor.pole_pairs)).expect("a pole pair");
         let (mut outcome, mut held) = (None, None);
         let mut stages = [(0.0, 0.0_f64); STAGES.len()];
+        let mut fastest = 0.0_f64;
         while outcome.is_none() && bench.time() < BOOTED + LONGEST {
             let now = bench.now_ns() / 1000;
             if bench.time() > BOOTED {
@@ -157,6 +160,7 @@ impl Trial {
                     *peak = peak.max(bench.plant().peak_current());
                 }
             }
+            fastest = fastest.max(bench.plant().observe().speed.abs());
             while let Some(received) = bench.receive() {
                 master.handle_frame(&received.frame, received.time_ns / 1000);
             }
@@ -176,6 +180,7 @@ impl Trial {
             temperatures: [held.unwrap_or(end), end],
             time: bench.time() - BOOTED,
             stages,
+            fastest: fastest * motor.torque_constant / subject.supply,
         }
     }
 
@@ -249,6 +254,10 @@ fn summarise(name: &str, trials: &[Trial]) {
         println!("  peak current: {}", over(&|trial| trial.stages[place].1, " A"));
     }
     println!("peak current: {}", over(&Trial::peak, " A"));
+    println!(
+        "largest speed, as a share of supply over back-EMF constant: {}",
+        over(&|trial| trial.fastest, "")
+    );
 }
 
 /// Median, 95th percentile and maximum.

@@ -72,6 +72,12 @@ pub(super) struct Driven {
 }
 
 impl Driven {
+    /// One acceleration that no second one has confirmed: twice as uncertain.
+    pub(super) fn alone(self) -> Self {
+        let twice = |(value, off): (f64, f64)| (value, 2.0 * off);
+        Self { inertia: twice(self.inertia), known: twice(self.known), ..self }
+    }
+
     /// The mean of two accelerations, weighted by their certainty. Their errors may have one cause, so the
     /// mean is no more certain than the better one.
     pub(super) fn mean(self, other: Self) -> Self {
