@@ -1,6 +1,6 @@
-//! docs/EVIDENCE.md: the claims of narx with their figures, each with the command that measures it again. The
-//! page is a template, filled with the figures that are committed in docs/evidence; measuring them takes
-//! minutes to hours, making the page does not.
+//! docs/EVIDENCE.md and its pages in docs/evidence: the claims of narx with their figures, each with the
+//! command that measures it again. The pages are templates, filled with the figures that are committed in
+//! docs/evidence; measuring them takes minutes to hours, making the pages does not.
 
 use crate::Made;
 use minijinja::syntax::SyntaxConfig;
@@ -13,8 +13,23 @@ use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
-const PAGE: &str = "docs/EVIDENCE.md";
-const TEMPLATE: &str = include_str!("page.md.jinja");
+/// Macros that every page may use, and checks of the figures.
+const MACROS: &str = include_str!("pages/macros.jinja");
+/// The pages and their templates: the summary, then its details.
+const PAGES: [(&str, &str); 12] = [
+    ("docs/EVIDENCE.md", include_str!("pages/summary.md.jinja")),
+    ("docs/evidence/promises.md", include_str!("pages/promises.md.jinja")),
+    ("docs/evidence/quality.md", include_str!("pages/quality.md.jinja")),
+    ("docs/evidence/starts.md", include_str!("pages/starts.md.jinja")),
+    ("docs/evidence/bits.md", include_str!("pages/bits.md.jinja")),
+    ("docs/evidence/worlds.md", include_str!("pages/worlds.md.jinja")),
+    ("docs/evidence/bytes.md", include_str!("pages/bytes.md.jinja")),
+    ("docs/evidence/mutants.md", include_str!("pages/mutants.md.jinja")),
+    ("docs/evidence/branches.md", include_str!("pages/branches.md.jinja")),
+    ("docs/evidence/proof.md", include_str!("pages/proof.md.jinja")),
+    ("docs/evidence/cost.md", include_str!("pages/cost.md.jinja")),
+    ("docs/evidence/speed.md", include_str!("pages/speed.md.jinja")),
+];
 
 /// Folder of the figures, and of the reasons for what they miss.
 const FIGURES: &str = "docs/evidence";
@@ -24,18 +39,17 @@ const MORE: [&str; 2] = ["tests/golden/proof.toml", "tests/fuzz/Cargo.toml"];
 /// Contents of the files by their names without ending.
 type Figures = Map<String, Value>;
 
-/// Makes the page.
+/// Makes the pages.
 ///
 /// # Errors
 /// Fails if figures are missing, or a missed goal has no reason.
 pub fn make(root: &Path) -> Result<Made, String> {
     let figures = read(root)?;
     gaps_exist(root, &figures)?;
-    let text = render(&figures).map_err(|error| error.to_string())?;
-    Ok(Made {
-        summary: format!("{} lines of evidence", text.lines().count()),
-        files: vec![(PAGE.into(), text)],
-    })
+    let texts = render(&figures).map_err(|error| error.to_string())?;
+    let lines: usize = texts.iter().map(|text| text.lines().count()).sum();
+    let files = PAGES.iter().zip(texts).map(|((path, _), text)| ((*path).into(), text)).collect();
+    Ok(Made { summary: format!("{lines} lines of evidence"), files })
 }
 
 fn read(root: &Path) -> Result<Figures, String> {
@@ -63,7 +77,8 @@ fn gaps_exist(root: &Path, figures: &Figures) -> Result<(), String> {
     if gone.is_empty() { Ok(()) } else { Err(gone.join("\n")) }
 }
 
-fn render(figures: &Figures) -> Result<String, Error> {
+/// Texts of [`PAGES`].
+fn render(figures: &Figures) -> Result<Vec<String>, Error> {
     let mut page = Environment::new();
     page.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     // A figure that the template asks for and a file does not have is an error.
@@ -74,7 +89,10 @@ fn render(figures: &Figures) -> Result<String, Error> {
     page.add_function("fail", |message: String| -> Result<String, Error> {
         Err(Error::new(ErrorKind::InvalidOperation, message))
     });
-    page.render_named_str("page.md.jinja", TEMPLATE, Serde(figures))
+    let filled = |(path, template): &(&str, &str)| {
+        page.render_named_str(path, &format!("{MACROS}{template}"), Serde(figures))
+    };
+    PAGES.iter().map(filled).collect()
 }
 
 #[cfg(test)]
@@ -86,18 +104,21 @@ mod tests {
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
     }
 
-    /// Page of the committed figures after a change.
+    /// Pages of the committed figures after a change, one after the other.
     fn changed(change: impl FnOnce(&mut Figures)) -> Result<String, String> {
         let mut figures = read(root()).unwrap();
         change(&mut figures);
-        render(&figures).map_err(|error| error.to_string())
+        render(&figures).map(|texts| texts.join("\n")).map_err(|error| error.to_string())
     }
 
-    /// Every section has the command that measures it again.
+    /// Every page of details has the command that measures it again, and the summary links to it.
     #[test]
-    fn every_table_says_what_measures_it() {
-        for section in changed(|_| {}).unwrap().split("\n## ").skip(1) {
-            assert!(section.contains("`cargo xtask "), "{section} names no command");
+    fn every_page_says_what_measures_it() {
+        let texts = render(&read(root()).unwrap()).unwrap();
+        for ((path, _), text) in PAGES.iter().zip(&texts).skip(1) {
+            assert!(text.contains("`cargo xtask "), "{path} names no command");
+            let link = format!("]({})", path.trim_start_matches("docs/"));
+            assert!(texts[0].contains(&link), "the summary has no link to {path}");
         }
     }
 
