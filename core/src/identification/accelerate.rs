@@ -129,7 +129,7 @@ impl Identification {
     }
 
     /// Two ways to the same constant: what was recorded fits a motor if they agree.
-    pub(super) fn agrees(&self, coast: &Coast, balance: &Balance) -> bool {
+    fn agrees(&self, coast: &Coast, balance: &Balance) -> bool {
         let (constant, _) = coast.torque_constant(self.found.pole_pairs.into());
         AGREES.contains(&(balance.torque_constant / constant))
     }

@@ -105,6 +105,7 @@ impl Coast {
             flux.add(&[1.0], third.whole_flux(record.interval), 1.0);
         }
         let flux = flux.solve()?;
+        // A single third has no error, and may be any.
         if flux.error[0] == 0.0 || flux.error[0] > UNSURE * flux.value[0] {
             return None;
         }

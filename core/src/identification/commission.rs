@@ -28,7 +28,7 @@ pub(super) const MECHANICAL_TIME: [f64; 4] = [8e-3, 24e-3, 4e-3, 60e-3];
 
 impl Identification {
     /// The motor as it is known, with a guess for what is not.
-    pub(super) fn motor(&self) -> Motor {
+    fn motor(&self) -> Motor {
         let total = self.found.winding.map_or(1.0, |winding| winding.resistance);
         let (k, _) = self.found.torque_constant;
         let k = if k > 0.0 { k } else { MOTOR_CONSTANT * sqrt(total) };

@@ -69,7 +69,8 @@ pub struct Halls {
     pub offset: f64,
 }
 
-/// Figures that a rotor shows when it turns.
+/// Figures that a rotor shows when it turns. If the second of the two accelerations fails, inertia and
+/// friction are those of the first, with twice their uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turned {
     /// Torque constant, N m/A, which is the back-EMF constant, V s/rad.

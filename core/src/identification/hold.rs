@@ -23,7 +23,6 @@ const LARGEST_DUTY: f64 = 0.6;
 const REST: [u64; 2] = [350_000, 120_000];
 /// Rows of a lock's record after the stop.
 const AFTER: u16 = 200;
-/// Signals of a lock, of a coasting rotor and of an acceleration, in the order of their bits.
 /// Signals of a rotor that is held, in the order of their bits.
 const HELD: [Signal; 3] = [Signal::BusVoltage, Signal::Duty, Signal::PeriodCurrent];
 
@@ -49,7 +48,7 @@ impl Identification {
     }
 
     /// Rows of a lock's record from before the stop.
-    pub(super) fn held_rows(&self) -> u16 {
+    fn held_rows(&self) -> u16 {
         (self.found.room / 3).min(800) - AFTER
     }
 
@@ -122,7 +121,7 @@ impl Identification {
     }
 
     /// No current was seen: the next level.
-    pub(super) fn stronger(&mut self) -> Result<(), IdentificationError> {
+    fn stronger(&mut self) -> Result<(), IdentificationError> {
         if self.level >= 0.99 * LARGEST_DUTY {
             return Err(IdentificationError::NoMotor { duty: self.level });
         }
@@ -130,7 +129,7 @@ impl Identification {
     }
 
     /// R and L are there.
-    pub(super) fn winding(&mut self, master: &mut Master, current: f64) -> Result<(), IdentificationError> {
+    fn winding(&mut self, master: &mut Master, current: f64) -> Result<(), IdentificationError> {
         self.found.channel = Channel::of(&mut self.locks);
         let locks = &self.locks;
         let (low, high) = locks

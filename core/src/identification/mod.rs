@@ -65,7 +65,7 @@ pub struct Identification {
     retries: bool,
     /// Tries of an acceleration that have failed.
     failed: usize,
-    /// The guess of the inertia, counted round.
+    /// Number of the present guess of the inertia.
     guess: usize,
     /// The last start of this stage that has failed.
     last: Option<IdentificationError>,
@@ -109,18 +109,14 @@ const AMBIENT: &str = "Ambient Temperature";
 const HEAT: f64 = 6.0;
 /// Largest current of the drive (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
-
 /// Time for the last of a record, and for its answer, microseconds.
 const MARGIN: u64 = 20_000;
 /// Longest wait for a record, microseconds.
 const PATIENCE: u64 = 5_000_000;
-
 /// Pole pairs of a motor.
 const POLE_PAIRS: core::ops::RangeInclusive<u8> = 1..=50;
-
-/// Most starts that look for that speed.
+/// Most starts of the stage that finds the torque constant.
 const SPINS: u8 = 6;
-
 /// Longest wait for a speed, microseconds.
 const SPIN: u64 = 1_500_000;
 

@@ -31,7 +31,7 @@ impl Identification {
         }
     }
 
-    pub(super) fn turned(&self) -> Option<Turned> {
+    fn turned(&self) -> Option<Turned> {
         let driven = self.found.driven?;
         let (k, error) = self.found.torque_constant;
         let relative = |value: f64, uncertainty: f64| Figure { value, uncertainty: uncertainty * value };

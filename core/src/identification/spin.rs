@@ -13,13 +13,13 @@ use libm::{fabs, fmax, fmin, round};
 
 /// Share of the supply at which back-EMF is measured: half of the nominal speed at most.
 const SHARE: f64 = 0.42;
-/// And the least that is enough.
+/// Least share that is enough.
 const ENOUGH: f64 = 0.33;
 /// A rotor that shows no back-EMF may turn so many times faster.
 const UNSEEN: f64 = 3.0;
 /// While turns are counted, the field turns so many times a second: so slowly that an eye sees the mark pass.
 const FIELD: f64 = 2.0;
-/// A count so far from a whole number is none.
+/// Largest difference of a count from a whole number.
 const UNCLEAR: f64 = 0.3;
 /// Samples of a third at the speed of the stop: many show the back-EMF.
 const MANY_SAMPLES: f64 = 16.0;
@@ -47,13 +47,14 @@ impl Identification {
         self.first_spin()
     }
 
+    /// The first run: 50 electrical revolutions a second.
     pub(super) fn first_spin(&mut self) -> Result<(), IdentificationError> {
         self.stage = Stage::Spins;
         self.spin(50.0 * 60.0 / f64::from(self.found.pole_pairs))
     }
 
     /// Turns the rotor at a speed, rpm, and records its terminals after the stop.
-    pub(super) fn spin(&mut self, rpm: f64) -> Result<(), IdentificationError> {
+    fn spin(&mut self, rpm: f64) -> Result<(), IdentificationError> {
         let commissioning = self.commission(Mode::Sensorless)?;
         let rpm = round(fmin(fmax(rpm, commissioning.speed_min), commissioning.speed_max));
         self.found.speed = rpm;
