@@ -206,7 +206,7 @@ fn hard_to_start() -> [(&'static str, PlantConfig); 4] {
             ),
         ),
         (
-            "its first coast shows too little",
+            "it is light and has many poles",
             plant(
                 40.94,
                 93,
