@@ -3,7 +3,7 @@
 use crate::pointer;
 use crate::samples::narx_samples_t;
 use crate::status::narx_status_t::{self, *};
-use narx_core::motor::{Commutation, PwmCommand, Rectification, SampleMode, Samples, Step};
+use narx_core::motor::{Commutation, Commutations, PwmCommand, Rectification, SampleMode, Samples, Step};
 
 /// Largest number of pattern changes in one period.
 pub const NARX_COMMUTATIONS_MAX: usize = 2;
@@ -43,23 +43,29 @@ pub struct narx_pwm_command_t {
 impl From<PwmCommand> for narx_pwm_command_t {
     fn from(command: PwmCommand) -> Self {
         let PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations } = command;
-        let mut converted = Self {
+        let (commutation_count, commutations) = told(commutations);
+        Self {
             duty: duty.to_bits(),
             sample_at,
             sample_mode,
             rectification,
             step,
-            commutation_count: 0,
-            commutations: [narx_commutation_t { instant: 0, step: Step::Coast }; NARX_COMMUTATIONS_MAX],
-        };
-        for (place, Commutation { instant, step }) in
-            converted.commutations.iter_mut().zip(commutations.iter())
-        {
-            *place = narx_commutation_t { instant, step };
-            converted.commutation_count += 1;
+            commutation_count,
+            commutations,
         }
-        converted
     }
+}
+
+/// Returns the number of changes, and the changes; those that do not come are coast at 0.
+pub(crate) fn told(commutations: Commutations) -> (u8, [narx_commutation_t; NARX_COMMUTATIONS_MAX]) {
+    let changes = commutations.both();
+    let none = narx_commutation_t { instant: 0, step: Step::Coast };
+    (
+        changes.map(|change| u8::from(change.is_some())).iter().sum(),
+        changes.map(|change| {
+            change.map_or(none, |Commutation { instant, step }| narx_commutation_t { instant, step })
+        }),
+    )
 }
 
 /// Runs a control tick of `object`. On an error the command is coast at duty 0.

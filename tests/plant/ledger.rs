@@ -124,3 +124,42 @@ proptest! {
         }
     }
 }
+
+/// Largest change of the balance in one period, J, while the rotor swings about the angle where a step holds
+/// it, driven back to rest and beyond.
+fn unbalanced(back_emf: BackEmf) -> f64 {
+    let motor = MotorConfig {
+        pole_pairs: 1,
+        resistance: 0.2,
+        inductance: 1.5e-3,
+        torque_constant: 0.092,
+        inertia: 2.4e-5,
+        static_friction: 2.6e-3,
+        viscous_friction: 8e-6,
+        back_emf,
+        ..MotorConfig::default()
+    };
+    let mut config = PlantConfig::new(motor, 18.0);
+    config.load = LoadConfig { constant: 0.009, ..LoadConfig::default() };
+    let mut plant = Plant::new(&config);
+    Ideal::forward(0.5).run(&mut plant, 0.05);
+    let braking = Ideal { duty: 0.7, direction: Direction::Reverse, rectification: Rectification::Diode };
+    let mut most = 0.0_f64;
+    let mut before = plant.observe().ledger.residual();
+    for _ in 0..500 {
+        braking.run(&mut plant, 1e-4);
+        let residual = plant.observe().ledger.residual();
+        most = most.max((residual - before).abs());
+        before = residual;
+    }
+    most
+}
+
+#[test]
+fn energy_is_conserved_where_a_rotor_turns_back() {
+    let flat_tops = [146.0, 120.0, 100.0, 60.0].map(|flat_top_deg| BackEmf::Trapezoidal { flat_top_deg });
+    for back_emf in flat_tops.into_iter().chain([BackEmf::Sinusoidal]) {
+        let most = unbalanced(back_emf);
+        assert!(most < 5e-5, "{back_emf:?}: {most:.1e} J in a period");
+    }
+}

@@ -287,9 +287,13 @@ pub const WRITTEN: [u16; 31] = [
 
 /// Supply range of Table 2, V.
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
-/// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not
-/// see, A.
-const PEAK: f64 = 11.4;
+/// Peak phase current (Table 1), A.
+const RATED_PEAK: f64 = 12.0;
+/// Peak phase current less what commutation adds to the ripple as a rule, which a bus shunt does not see, A.
+const PEAK: f64 = RATED_PEAK - 0.6;
+/// It adds this share of the ripple if that is more, unless the ripple limits the duty: pulses are short
+/// then.
+const STEEP: f64 = 0.15;
 /// And this much less without sensors, whose commutation is a few degrees off at times, A.
 const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
@@ -532,7 +536,8 @@ impl Design {
         let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
         let duty_max = duty_within(2.0 * (PEAK - demand.crest) * m.inductance / (plate.supply * period));
         let widest = ripple(fmin(duty_max, 0.5));
-        let crest = PEAK - widest / 2.0;
+        let steep = if duty_max < DUTY_MAX { 0.0 } else { STEEP * widest };
+        let crest = fmin(PEAK, RATED_PEAK - steep) - widest / 2.0;
         let poles = f64::from(m.pole_pairs);
         let speed_min = ELECTRICAL_RPM_MIN / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);

@@ -4,7 +4,7 @@ use super::balance::Balance;
 use super::coast::Coast;
 use super::commission::MECHANICAL_TIME;
 use super::script::Action;
-use super::{Found, Identification, IdentificationError, MARGIN, SPIN, Stage};
+use super::{Found, Identification, IdentificationError, MARGIN, SPIN, Stage, is_open_phase};
 use crate::commissioning::Mode;
 use crate::dictionary::{engineering, number};
 use crate::master::Master;
@@ -89,13 +89,15 @@ impl Identification {
     }
 
     /// An acceleration has failed. If it was the second, the first one tells inertia and friction, less
-    /// surely. Else another try, as if the rotor were lighter or heavier.
+    /// surely, unless a phase is open. Else another try, as if the rotor were lighter or heavier.
     pub(super) fn accelerate_again(
         &mut self,
         master: &mut Master,
         error: IdentificationError,
     ) -> Result<(), IdentificationError> {
-        if let Some(driven) = self.found.driven {
+        if let Some(driven) = self.found.driven
+            && !is_open_phase(&error)
+        {
             self.script.give_up(master);
             self.found.driven = Some(driven.alone());
             return self.calibrate(master);

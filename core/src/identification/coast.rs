@@ -8,9 +8,11 @@
 //!  integral of (highest - second) = pi / 3 k / p
 //! ```
 //!
-//! In the middle of such a third the second terminal is near the lowest and dips below ground, where the
-//! converter reads 0. That hides a part which falls with the square of the back-EMF; straight lines between
-//! samples hide another, which grows with the square of the speed. Both are known well enough to be added.
+//! In the middle of such a third the second terminal is near the lowest and dips below ground, down to the
+//! diode's voltage, where the converter reads 0. The time for which it is near ground tells how much that
+//! hides: the diode's voltage times that time, less what the slopes at its ends make of it, which falls with
+//! the square of the back-EMF. Straight lines between samples hide another part, which grows with the square
+//! of the speed.
 //!
 //! The times of the crossings give the deceleration: `dw/dt = -(c + b w)`, integrated once, is
 //! `w = w0 - c t - b angle`.
@@ -23,8 +25,13 @@ use libm::{fmax, fmin};
 
 /// The new highest terminal must be this much above the old one to count, V.
 const CLEAR: f64 = 0.05;
-/// Share of the flux that a diode of 0.8 V hides, times the square of the back-EMF, V2.
-const HIDDEN: f64 = 0.75;
+/// Voltage of the diode that holds the lowest terminal, V.
+const DIODE: f64 = 0.8;
+/// A terminal that reads less than this may be below ground, V.
+const LOW: f64 = 0.1;
+/// Share of the flux, times the square of the back-EMF, V2, by which `DIODE` over the time at `LOW` is too
+/// much: `DIODE (DIODE + 2 LOW)` for the slopes of a sine, half as much for those of a trapezoid.
+const SLOPES: f64 = 0.7;
 /// Share that straight lines cut off, over the square of the angle between two samples. The trapezoidal rule
 /// loses `h^2 / 12` of the change of slope, which from crossing to crossing is `2 k w` for every shape.
 const CHORD: f64 = 0.16;
@@ -34,6 +41,8 @@ const FAST: f64 = 0.7;
 const UNSURE: f64 = 0.03;
 /// A third that is seen in fewer samples tells nothing.
 const SAMPLES: usize = 4;
+/// With as many thirds the speed is taken of whole revolutions.
+const REVOLUTIONS: usize = 6;
 /// Most thirds that are kept.
 const THIRDS: usize = 256;
 
@@ -62,18 +71,20 @@ struct Third {
     speed: f64,
     /// Middle, s.
     time: f64,
+    /// Time for which the second terminal is near ground, s.
+    low: f64,
 }
 
 impl Third {
     /// The integral with what was hidden. interval: from one sample to the next, s.
     fn whole_flux(&self, interval: f64) -> f64 {
         let step = self.speed * interval;
-        let seen = self.flux * (1.0 + CHORD * step * step);
+        let seen = self.flux * (1.0 + CHORD * step * step) + DIODE * self.low;
         // E = k w / p of the whole flux, by turns.
         let mut whole = seen;
         for _ in 0..4 {
             let emf = whole * self.speed / FRAC_PI_3;
-            whole = seen / (1.0 - fmin(HIDDEN / (emf * emf), 0.5));
+            whole = seen / (1.0 + fmin(SLOPES / (emf * emf), 0.5));
         }
         whole
     }
@@ -126,11 +137,17 @@ impl Coast {
 /// drives: a `b` or a `c` below 0 is taken as 0.
 fn friction(thirds: &[Third]) -> Option<((f64, f64), f64, f64, f64)> {
     let (mut both, mut dry, mut wet) = (Fit::default(), Fit::default(), Fit::default());
-    for (number, third) in thirds.iter().enumerate() {
-        let angle = (number as f64 + 0.5) * TAU / 3.0;
-        both.add(&[1.0, -third.time, -angle], third.speed, 1.0);
-        dry.add(&[1.0, -third.time], third.speed, 1.0);
-        wet.add(&[1.0, -angle], third.speed, 1.0);
+    // By whole revolutions: an offset of one terminal makes the thirds differ in length.
+    let count = if thirds.len() < REVOLUTIONS { 1 } else { 3 };
+    for (number, window) in thirds.windows(count).enumerate() {
+        let [first, ..] = window else { return None };
+        let begin = first.time - TAU / 6.0 / first.speed;
+        let duration = window.iter().map(|third| TAU / 3.0 / third.speed).sum::<f64>();
+        let (time, way) = (begin + duration / 2.0, count as f64 * TAU / 3.0);
+        let (angle, speed) = (number as f64 * TAU / 3.0 + way / 2.0, way / duration);
+        both.add(&[1.0, -time, -angle], speed, 1.0);
+        dry.add(&[1.0, -time], speed, 1.0);
+        wet.add(&[1.0, -angle], speed, 1.0);
     }
     // The deceleration in the mean is what a straight line shows; its two parts are less certain.
     let line = dry.solve()?;
@@ -155,7 +172,7 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
     let mut sense = None;
     // The crossing that began this third, and the integral since.
     let mut begun: Option<f64> = None;
-    let (mut area, mut samples) = (0.0, 0);
+    let (mut area, mut samples, mut low) = (0.0, 0, 0.0);
     // The last crossing of a candidate with the present top, and the integral at it.
     let mut crossed: Option<(usize, f64, f64)> = None;
     for (number, terminals) in record.rows::<3>().enumerate() {
@@ -181,6 +198,9 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
         }
         area += step;
         samples += 1;
+        if second(&terminals, present) < LOW {
+            low += record.interval;
+        }
         let Some((other, at, until)) = crossed else { continue };
         if highest == present {
             // It was noise.
@@ -192,12 +212,12 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
             }
             if let Some(begin) = begun {
                 let speed = TAU / 3.0 / (at - begin);
-                let third = Third { flux: until, speed, time: (begin + at) / 2.0 };
+                let third = Third { flux: until, speed, time: (begin + at) / 2.0, low };
                 if thirds.push(third).is_err() {
                     break;
                 }
             }
-            (begun, top, crossed, samples) = (Some(at), Some(other), None, 0);
+            (begun, top, crossed, samples, low) = (Some(at), Some(other), None, 0, 0.0);
             // From the crossing on the difference rises from 0.
             let above = of(&terminals, other) - second(&terminals, other);
             area = above * (time - at) / 2.0;

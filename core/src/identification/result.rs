@@ -38,7 +38,7 @@ impl Identification {
         let (inertia, uncertainty) = driven.inertia;
         let ((static_friction, viscous_friction), (speed, unsure)) = (driven.friction, driven.known);
         Some(Turned {
-            torque_constant: Figure { value: k, uncertainty: 0.015 * k + 3.0 * error },
+            torque_constant: Figure { value: k, uncertainty: 0.01 * k + 3.0 * error },
             inertia: relative(inertia, uncertainty),
             friction: relative(static_friction + viscous_friction * speed, unsure),
             static_friction,

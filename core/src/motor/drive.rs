@@ -347,7 +347,7 @@ impl Drive {
             || self.rotor.fault().is_some()
             || ((halls || state == State::SensorlessClosedLoop) && self.rotor.may_stand())
             || (halls && self.rotor.is_mute());
-        let idles = self.machine.calibrating() || (halls && self.pattern.demand == Demand::Off);
+        let idles = self.machine.calibrating() || (halls && matches!(self.pattern.demand, Demand::Off));
         self.steers = state.is_driving() && idles;
         self.stale = false;
     }

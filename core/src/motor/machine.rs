@@ -318,43 +318,36 @@ impl Machine {
     }
 
     fn conditions(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Conditions {
-        let mut conditions = if self.state == State::Standby { self.enabled(c) } else { self.mode };
+        let modes = if self.state == State::Standby { self.enabled(c) } else { self.mode };
         let wanted = self.wants_to_run();
         if self.state == State::Standby && wanted && self.refusal == Refusal::None {
-            self.refusal = self.refuse(conditions, inputs);
+            self.refusal = self.refuse(modes, inputs);
             // A refused request is spent: it must not start the motor later, when what refused it has gone.
             self.armed &= self.refusal == Refusal::None;
         }
         let boot_passed = self.age >= c.boot && !inputs.unhealthy;
         let reversal = self.state.is_driving() && wanted && self.requested_direction() != self.direction;
         let acknowledged = self.acknowledged && self.age >= c.fault_wait && inputs.causes_gone;
-        let found = [
-            (boot_passed, Conditions::BOOTED),
-            (inputs.critical, Conditions::CRITICAL),
-            (inputs.unhealthy, Conditions::UNHEALTHY),
-            (!wanted, Conditions::STANDBY),
-            (wanted && self.refusal == Refusal::None, Conditions::START),
-            (inputs.calibrated, Conditions::CALIBRATED),
-            (self.command_age >= c.command_timeout, Conditions::EXPIRED),
-            (self.age >= self.duration(c), Conditions::ELAPSED),
-            (inputs.stopped, Conditions::STOPPED),
-            (reversal, Conditions::REVERSAL),
-            (acknowledged && !inputs.critical, Conditions::ACKNOWLEDGED),
-            (self.other_source, Conditions::OTHER_SOURCE),
-        ];
-        for (holds, condition) in found {
-            conditions.set(condition, holds);
-        }
-        conditions
+        modes
+            | when(boot_passed, Conditions::BOOTED)
+            | when(inputs.critical, Conditions::CRITICAL)
+            | when(inputs.unhealthy, Conditions::UNHEALTHY)
+            | when(!wanted, Conditions::STANDBY)
+            | when(wanted && self.refusal == Refusal::None, Conditions::START)
+            | when(inputs.calibrated, Conditions::CALIBRATED)
+            | when(self.command_age >= c.command_timeout, Conditions::EXPIRED)
+            | when(self.age >= self.duration(c), Conditions::ELAPSED)
+            | when(inputs.stopped, Conditions::STOPPED)
+            | when(reversal, Conditions::REVERSAL)
+            | when(acknowledged && !inputs.critical, Conditions::ACKNOWLEDGED)
+            | when(self.other_source, Conditions::OTHER_SOURCE)
     }
 
     fn enabled(&self, c: &MachineCoefficients) -> Conditions {
-        let mut enabled = Conditions::empty();
-        enabled.set(Conditions::HALL, c.hall_enable);
-        enabled.set(Conditions::SENSORLESS, c.sensorless_enable);
-        enabled.set(Conditions::OPEN_LOOP, c.open_loop_enable);
-        enabled.set(Conditions::CALIBRATION, self.calibrate);
-        enabled
+        when(c.hall_enable, Conditions::HALL)
+            | when(c.sensorless_enable, Conditions::SENSORLESS)
+            | when(c.open_loop_enable, Conditions::OPEN_LOOP)
+            | when(self.calibrate, Conditions::CALIBRATION)
     }
 
     /// Returns the reason why a start is refused now.
@@ -435,4 +428,9 @@ impl Machine {
     pub const fn refusal(&self) -> Refusal {
         self.refusal
     }
+}
+
+/// `condition` if it `holds`.
+const fn when(holds: bool, condition: Conditions) -> Conditions {
+    if holds { condition } else { Conditions::empty() }
 }

@@ -3,11 +3,11 @@
 use super::{direction, init, init_ready, narx_commutation_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
-use crate::pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t};
+use crate::pwm::{self, NARX_COMMUTATIONS_MAX, narx_commutation_t};
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Commutation, Position};
 use narx_core::motor::commutate::commutator::CommutatorCoefficients;
-use narx_core::motor::{Commutation as Change, Leg, Step};
+use narx_core::motor::{Leg, Step};
 
 /// A commutation: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn narx_commutation_step_for(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_legs(step: u8, legs: *mut u8) -> narx_status_t {
     let run = || {
-        let step = Step::ALL.into_iter().find(|known| *known as u8 == step).ok_or(NARX_ERROR_ARGUMENT)?;
+        let step = Step::from_number(step).ok_or(NARX_ERROR_ARGUMENT)?;
         let told = step.legs().map(|leg| match leg {
             Leg::Floating => 0_u8,
             Leg::Low => 1,
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn narx_commutation_init_ready(
     ready: *const CommutatorCoefficients,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(commutation, size, ready, Commutation::new) }
+    unsafe { init_ready(commutation, size, ready, |ready| Commutation::new(*ready)) }
 }
 
 /// Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`
@@ -114,16 +114,8 @@ pub unsafe extern "C" fn narx_commutation_step(
         let commutation = handle::object(commutation)?;
         let position = Position { angle, speed: turn_speed };
         let (step, changes) = commutation.step(position, direction(towards)?);
-        let mut told = narx_steps_t {
-            step,
-            commutation_count: 0,
-            commutations: [narx_commutation_t { instant: 0, step: Step::Coast }; NARX_COMMUTATIONS_MAX],
-        };
-        for (place, Change { instant, step }) in told.commutations.iter_mut().zip(changes.iter()) {
-            *place = narx_commutation_t { instant, step };
-            told.commutation_count += 1;
-        }
-        pointer::write(steps, told)
+        let (commutation_count, commutations) = pwm::told(changes);
+        pointer::write(steps, narx_steps_t { step, commutation_count, commutations })
     };
     pointer::status(run())
 }

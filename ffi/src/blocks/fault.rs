@@ -122,7 +122,7 @@ pub unsafe extern "C" fn narx_fault_init_ready(
     ready: *const ProtectionCoefficients,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(fault, size, ready, Fault::new) }
+    unsafe { init_ready(fault, size, ready, |ready| Fault::new(*ready)) }
 }
 
 /// Runs one tick. A critical fault latches.

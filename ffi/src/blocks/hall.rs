@@ -76,7 +76,7 @@ pub unsafe extern "C" fn narx_hall_init_ready(
     ready: *const HallReady,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(hall, size, ready, Hall::new) }
+    unsafe { init_ready(hall, size, ready, |ready| Hall::new(*ready)) }
 }
 
 /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period

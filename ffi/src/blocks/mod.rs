@@ -82,14 +82,14 @@ where
 ///
 /// # Safety
 /// The rule for pointers at the head of narx.h.
-unsafe fn init_ready<H: Handle, Ready: Copy>(
+unsafe fn init_ready<H: Handle, Ready>(
     memory: *mut H,
     size: usize,
     ready: *const Ready,
-    new: impl FnOnce(Ready) -> H::Object,
+    new: impl FnOnce(&Ready) -> H::Object,
 ) -> narx_status_t {
     // SAFETY: the caller's promise.
-    pointer::status(unsafe { handle::init(memory, size, || pointer::read(ready).map(|ready| new(*ready))) })
+    pointer::status(unsafe { handle::init_from(memory, size, ready, new) })
 }
 
 /// Returns the direction with this number: 0 forward, 1 reverse.

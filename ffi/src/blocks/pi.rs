@@ -43,7 +43,7 @@ pub unsafe extern "C" fn narx_pi_init_ready(
     ready: *const PiReady,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(pi, size, ready, Pi::new) }
+    unsafe { init_ready(pi, size, ready, |ready| Pi::new(*ready)) }
 }
 
 /// Writes the output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The

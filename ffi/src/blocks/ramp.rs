@@ -43,7 +43,7 @@ pub unsafe extern "C" fn narx_ramp_init_ready(
     ready: *const RampReady,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(ramp, size, ready, Ramp::new) }
+    unsafe { init_ready(ramp, size, ready, |ready| Ramp::new(*ready)) }
 }
 
 /// Moves one step towards `target` and writes the new value to `value`, both Q16.

@@ -102,7 +102,7 @@ pub unsafe extern "C" fn narx_state_init_ready(
     ready: *const MachineCoefficients,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(machine, size, ready, StateMachine::new) }
+    unsafe { init_ready(machine, size, ready, |ready| StateMachine::new(*ready)) }
 }
 
 /// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,

@@ -102,7 +102,7 @@ pub unsafe extern "C" fn narx_zero_crossing_init_ready(
     ready: *const ZeroCrossingReady,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    unsafe { init_ready(detector, size, ready, ZeroCrossing::new) }
+    unsafe { init_ready(detector, size, ready, |ready| ZeroCrossing::new(*ready)) }
 }
 
 /// Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1
@@ -156,8 +156,7 @@ impl TryFrom<&narx_applied_t> for PwmCommand {
 
     fn try_from(applied: &narx_applied_t) -> Result<Self, narx_status_t> {
         let &narx_applied_t { sample_at, step, commutation_count, instants, steps } = applied;
-        let known =
-            |step| Step::ALL.into_iter().find(|known| *known as u8 == step).ok_or(NARX_ERROR_ARGUMENT);
+        let known = |step| Step::from_number(step).ok_or(NARX_ERROR_ARGUMENT);
         let mut command = Self { sample_at, step: known(step)?, ..Self::default() };
         if usize::from(commutation_count) > NARX_COMMUTATIONS_MAX {
             return Err(NARX_ERROR_ARGUMENT);

@@ -18,6 +18,8 @@ pub enum Kind {
     Request,
     /// The operator downloads something, or aborts a download.
     Download,
+    /// The operator lets the drive measure its motor.
+    Identify,
     /// The master is silent for a time.
     Silence,
     /// Another device sends frames that were not requested.
@@ -41,10 +43,11 @@ pub enum Kind {
 }
 
 /// All kinds.
-pub const KINDS: [Kind; 13] = [
+pub const KINDS: [Kind; 14] = [
     Kind::Command,
     Kind::Request,
     Kind::Download,
+    Kind::Identify,
     Kind::Silence,
     Kind::Frames,
     Kind::Break,
@@ -64,6 +67,7 @@ impl Kind {
             Self::Command => "commands",
             Self::Request => "requests",
             Self::Download => "downloads",
+            Self::Identify => "identifications",
             Self::Silence => "silences",
             Self::Frames => "stray frames",
             Self::Break => "breaks",
@@ -87,7 +91,7 @@ impl Kind {
             Self::World | Self::Disturb => 4.0,
             Self::Download | Self::Silence => 3.0,
             Self::Unplug => 2.0,
-            Self::Cut | Self::Flip | Self::Chip => 1.0,
+            Self::Identify | Self::Cut | Self::Flip | Self::Chip => 1.0,
         }
     }
 }
@@ -102,6 +106,8 @@ pub(super) enum Mishap {
     Request(Request),
     Download(Download),
     AbortDownload,
+    /// With the hall sensors, or without.
+    Identify(bool),
     /// Duration, s.
     Silence(f64),
     Frames(Vec<Frame>),
@@ -139,6 +145,7 @@ impl Mishap {
             Self::Start(_) | Self::SetSpeed(_) | Self::Stop | Self::ShutDown => Kind::Command,
             Self::Request(_) => Kind::Request,
             Self::Download(_) | Self::AbortDownload => Kind::Download,
+            Self::Identify(_) => Kind::Identify,
             Self::Silence(_) => Kind::Silence,
             Self::Frames(_) => Kind::Frames,
             Self::Break(_) => Kind::Break,
@@ -166,7 +173,7 @@ impl Fate {
         self.between(0.0, count as f64) as usize
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.uniform() < share
     }
 
@@ -185,6 +192,7 @@ impl Fate {
             Kind::Command => self.command(),
             Kind::Request => Mishap::Request(self.request()),
             Kind::Download => self.download(),
+            Kind::Identify => Mishap::Identify(self.chance(0.3)),
             Kind::Silence => Mishap::Silence(self.between(0.0, 0.6)),
             Kind::Frames => Mishap::Frames(self.frames()),
             Kind::Break => Mishap::Break(self.injection()),

@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Folder for worlds.json; without it nothing is written
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Go on from the worlds that worlds.json has, with the same code
+    #[arg(long, requires = "out", conflicts_with_all = ["first", "world"])]
+    resume: bool,
 }
 
 /// Runs worlds until their simulated time adds up; fails if an invariant was broken.
@@ -48,8 +51,18 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         return if story.broken.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
     let path = arguments.out.as_ref().map(|out| root.join(out).join("worlds.json"));
+    let mut total = Total::new(String::new(), figures::commit(root), arguments.first);
+    if let Some(path) = path.as_ref().filter(|_| arguments.resume) {
+        match resumed(path, &total.commit) {
+            Ok(before) => total = before,
+            Err(reason) => {
+                eprintln!("{reason}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
     let mut written = Ok(());
-    let total = live(arguments, figures::commit(root), |total| {
+    let total = live(arguments.hours, total, |total| {
         if let Some(path) = &path {
             written = figures::write(path, total);
         }
@@ -62,17 +75,27 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     if total.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
+/// The sum that a former run has left, of the same code.
+fn resumed(path: &Path, commit: &str) -> Result<Total, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let total: Total = serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+    if total.commit == commit {
+        return Ok(total);
+    }
+    Err(format!("{}: its worlds ran at commit {}, this is {commit}", path.display(), total.commit))
+}
+
 /// Runs worlds until their hours are full. They end in any order and are added in the order of their numbers,
 /// so that the sum is the same on every machine. `keep` gets the sum after every simulated hour, so that a
 /// run that is stopped early leaves a result, and at the end.
-fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> Total {
-    let Arguments { hours, first, .. } = arguments;
+fn live(hours: f64, mut total: Total, mut keep: impl FnMut(&Total)) -> Total {
+    let first = total.first;
     let command =
         |hours: f64| format!("cargo xtask worlds --hours {hours} --first {first} --out docs/evidence");
-    let mut total = Total::new(command(*hours), commit, *first);
+    total.command = command(hours);
     // A world lasts about half a minute, so this is more than enough; the last ones are never begun.
     let worlds = (hours * 3600.0 / 20.0).ceil() as u64;
-    let seeds: Vec<u64> = (*first..first + worlds).collect();
+    let seeds: Vec<u64> = (first + total.worlds..first + worlds).collect();
     let mut ended: BTreeMap<usize, Story> = BTreeMap::new();
     let mut next = 0;
     for_each(
@@ -81,7 +104,7 @@ fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> 
         |seed, _| run(*seed, false),
         |finished| {
             ended.extend(finished);
-            while total.hours < *hours
+            while total.hours < hours
                 && let Some(story) = ended.remove(&next)
             {
                 if story.broken.is_some() {
@@ -96,10 +119,10 @@ fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> 
                     keep(&total);
                 }
             }
-            total.hours < *hours
+            total.hours < hours
         },
     );
-    total.command = command(*hours);
+    total.command = command(hours);
     keep(&total);
     total
 }

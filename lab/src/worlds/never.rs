@@ -8,9 +8,9 @@ use narx_core::motor::{State, Step};
 use narx_sim::bench::Bench;
 use std::fmt;
 
-/// Time after power-up in which no drive turns a motor, ticks: boot takes half a second, and a start needs
-/// requests that arrive after it.
-const REST: u64 = 5_000;
+/// Time after power-up in which no drive turns a motor, microseconds: boot takes half a second, and a start
+/// needs requests that arrive after it.
+const REST: u64 = 500_000;
 /// Voltage above which over-voltage qualifies at once, V: no drive stays on. The energy of the windings then
 /// still goes into the capacitor, because there is no brake chopper to take it.
 const BUS_MAX: f64 = 62.0;
@@ -151,16 +151,16 @@ impl Watch {
         self.lost = false;
     }
 
-    /// Checks a tick.
-    pub(super) fn tick(&mut self, bench: &Bench) -> Checked {
+    /// Checks a tick. period: of the PWM, microseconds.
+    pub(super) fn tick(&mut self, bench: &Bench, period: u64) -> Checked {
         self.ticks += 1;
         let (status, command) = (bench.status(), bench.command());
         let driving = status.state.is_driving();
         if !driving && (command.step != Step::Coast || command.commutations.iter().next().is_some()) {
             return Never::Bridge.broken(format!("the bridge is on in {}: {command:?}", status.state.name()));
         }
-        if driving && self.ticks < REST {
-            return Never::Rest.broken(format!("{} ticks after power-up it drives", self.ticks));
+        if driving && self.ticks * period < REST {
+            return Never::Rest.broken(format!("{} us after power-up it drives", self.ticks * period));
         }
         self.expired = if driving && status.command_expired { self.expired + 1 } else { 0 };
         self.critical = if driving && !status.critical.is_empty() { self.critical + 1 } else { 0 };

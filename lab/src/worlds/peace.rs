@@ -1,7 +1,7 @@
 //! Peace, after the faults: everything is repaired, and the drive has to work.
 
 use super::never::{Checked, Never};
-use super::world::{TICK, World, master};
+use super::world::{World, master};
 use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::commissioning::Mode;
 use narx_core::dictionary::engineering;
@@ -42,6 +42,7 @@ impl World {
         self.master.abort_download();
         // A new master: pending requests of the old one no longer count.
         self.master = master(&self.bench);
+        self.identification = None;
         // A threshold that the operator has changed may keep a fault present; it can be written in Fault,
         // too.
         let is_standby = |status: &Status| status.state == State::Standby;
@@ -72,7 +73,7 @@ impl World {
     /// drive checks whether its flash is back.
     fn store(&mut self) -> Checked {
         let absent = |world: &Self| world.bench.status().faults.contains(FaultWord::STORE_ABSENT);
-        let until = self.ticks + (CALM / TICK) as u64;
+        let until = self.ticks + self.ticks_in(CALM);
         while absent(self) && self.ticks < until {
             self.tick()?;
         }
@@ -87,7 +88,7 @@ impl World {
 
     /// Waits for a state; returns false if it is not reached.
     fn until(&mut self, seconds: f64, holds: impl Fn(&Status) -> bool) -> Checked<bool> {
-        let until = self.ticks + (seconds / TICK) as u64;
+        let until = self.ticks + self.ticks_in(seconds);
         while !holds(self.bench.status()) && self.ticks < until {
             self.tick()?;
         }
@@ -121,7 +122,7 @@ impl World {
         if let Err(error) = self.master.request(request) {
             return Never::Answers.broken(format!("{request:?}: {error:?}"));
         }
-        for _ in 0..(ANSWER / TICK) as u32 {
+        for _ in 0..self.ticks_in(ANSWER) {
             self.tick()?;
             if let Some(answer) = self.answer.take() {
                 return match answer.result {
@@ -168,7 +169,7 @@ impl World {
             self.say(|| format!("start {rpm:.0} rpm"));
             self.begun_at = self.bench.plant().observe().angle;
             self.master.start(rpm as i32);
-            let until = self.ticks + (START / TICK) as u64;
+            let until = self.ticks + self.ticks_in(START);
             while self.ticks < until && self.bench.status().refusal != Refusal::NoFreshRequest {
                 self.tick()?;
                 let speed = self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use super::mishap::KINDS;
 use super::never::NEVER;
-use super::world::{Story, TICK};
+use super::world::Story;
 use narx_core::motor::State;
 use narx_core::motor::guard::fault::FaultWord;
 use narx_sim::plant::Injection;
@@ -38,8 +38,11 @@ pub struct Total {
     pub mishaps: Counts,
     /// Number of failures of each kind that can be injected.
     pub injections: Counts,
-    /// Number of ticks in each state.
+    /// Time in each state, microseconds.
     pub states: Counts,
+    /// Identifications that came to a result.
+    #[serde(default)]
+    pub identified: u64,
     /// Number of worlds in which each fault was seen.
     pub faults: Counts,
     /// Invariants, and the number of worlds in which each was broken.
@@ -76,6 +79,7 @@ impl Total {
             mishaps: counts(KINDS.map(|kind| kind.name())),
             injections: counts(Injection::NAMES),
             states: counts(State::ALL.map(State::name)),
+            identified: 0,
             faults: counts(FaultWord::all().iter_names().map(|(name, _)| name)),
             invariants: counts(NEVER.map(|never| never.name())),
             unable: Vec::new(),
@@ -95,7 +99,8 @@ impl Total {
         add(&mut self.states, State::ALL.map(State::name).into_iter().zip(story.states));
         let faults = FaultWord::from_bits_truncate(story.faults);
         add(&mut self.faults, faults.iter_names().map(|(name, _)| (name, 1)));
-        self.hours = self.states.values().sum::<u64>() as f64 * TICK / 3600.0;
+        self.hours = self.states.values().sum::<u64>() as f64 * 1e-6 / 3600.0;
+        self.identified += story.identified;
         if story.unable {
             self.unable.push(story.seed);
         }
@@ -117,9 +122,10 @@ impl fmt::Display for Total {
             counts.iter().map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")
         };
         let states: Vec<String> =
-            self.states.iter().map(|(name, ticks)| format!("{name} {:.0} s", *ticks as f64 * TICK)).collect();
+            self.states.iter().map(|(name, time)| format!("{name} {:.0} s", *time as f64 * 1e-6)).collect();
         writeln!(f, "states: {}", states.join(", "))?;
         writeln!(f, "mishaps: {}", list(&self.mishaps))?;
+        writeln!(f, "identified: {}", self.identified)?;
         writeln!(f, "broken parts: {}", list(&self.injections))?;
         writeln!(f, "worlds with a fault: {}", list(&self.faults))?;
         writeln!(

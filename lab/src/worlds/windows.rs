@@ -25,7 +25,7 @@ pub fn windows(seed: u64) -> Vec<Window> {
     let mut world = World::new(seed, false);
     let mut windows = Vec::new();
     let mut mishaps = 0;
-    while world.ticks < TROUBLE {
+    while world.time() < TROUBLE {
         let Ok(mishap) = world.next() else { break };
         mishaps += 1;
         let state = world.bench.status().state;

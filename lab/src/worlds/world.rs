@@ -1,11 +1,12 @@
 //! Life of one world from its number to its end.
 
-use super::mishap::{Chip, Fate, KINDS, Mishap};
+use super::mishap::{Chip, Fate, KINDS, Kind, Mishap};
 use super::never::{Broken, Checked, Watch};
 use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::number;
+use narx_core::identification::{Asked, Identification};
 use narx_core::master::{Answer, Config, Master};
-use narx_core::motor::State;
+use narx_core::motor::{Board, State};
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
 use narx_sim::plant::{Injection, LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
@@ -15,13 +16,16 @@ use std::collections::hash_map::DefaultHasher;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-/// Duration of a tick, s.
-pub(super) const TICK: f64 = 1e-4;
-/// Duration of the faults, ticks.
-pub(super) const TROUBLE: u64 = 200_000;
+/// Periods of the PWM, microseconds: 10 to 50 kHz. Each period has one tick.
+const PERIODS: [u64; 6] = [100, 80, 50, 40, 25, 20];
+/// Duration of the faults, s.
+pub(super) const TROUBLE: f64 = 20.0;
 /// Shortest and longest time between two mishaps, s: with short ones mishaps coincide, long ones let a motor
 /// start.
 const PAUSE: (f64, f64) = (0.002, 1.2);
+/// Pauses are so many times longer while the drive measures its motor, which takes 11 s: some come to a
+/// result.
+const CALM: f64 = 8.0;
 /// Number of ticks between two checks of the physics.
 const LOOK: u64 = 10;
 
@@ -44,8 +48,10 @@ pub struct Story {
     pub mishaps: [u64; KINDS.len()],
     /// Number of injected failures, in the order of [`Injection::NAMES`].
     pub injections: [u64; Injection::NAMES.len()],
-    /// Number of ticks in each state.
+    /// Time in each state, microseconds.
     pub states: [u64; 8],
+    /// Number of identifications that came to a result.
+    pub identified: u64,
     /// All fault bits that were seen.
     pub faults: u32,
     /// Largest phase current, A.
@@ -102,6 +108,8 @@ pub(super) struct World {
     pub(super) mishaps: [u64; KINDS.len()],
     pub(super) injections: [u64; Injection::NAMES.len()],
     pub(super) states: [u64; 8],
+    pub(super) identification: Option<Identification>,
+    pub(super) identified: u64,
     pub(super) faults: u32,
     pub(super) peak: f64,
     /// Mechanical angle of the rotor at the last start, rad.
@@ -119,8 +127,9 @@ impl World {
             }
         };
         if tell {
-            let PlantConfig { motor, supply, angle_deg, .. } = &setting.config.plant;
-            println!("{:?}, {motor:?}, {supply:?}, rotor at {angle_deg:.0} degrees", setting.mode);
+            let PlantConfig { board, motor, supply, angle_deg, .. } = &setting.config.plant;
+            let (mode, rate) = (setting.mode, board.tick_rate);
+            println!("{mode:?}, {rate} Hz, {motor:?}, {supply:?}, rotor at {angle_deg:.0} degrees");
         }
         Self::of(seed, tell, fate, setting)
     }
@@ -150,6 +159,8 @@ impl World {
             mishaps: [0; KINDS.len()],
             injections: [0; Injection::NAMES.len()],
             states: [0; 8],
+            identification: None,
+            identified: 0,
             faults: 0,
             peak: 0.0,
             begun_at: 0.0,
@@ -158,8 +169,13 @@ impl World {
         }
     }
 
-    fn time(&self) -> f64 {
-        self.ticks as f64 * TICK
+    pub(super) fn time(&self) -> f64 {
+        (self.ticks * self.setting.period) as f64 * 1e-6
+    }
+
+    /// Ticks in this time, s.
+    pub(super) fn ticks_in(&self, seconds: f64) -> u64 {
+        (seconds * 1e6) as u64 / self.setting.period
     }
 
     fn story(&self) -> Story {
@@ -172,7 +188,8 @@ impl World {
             frames: self.frames,
             mishaps: self.mishaps,
             injections: self.injections,
-            states: self.states,
+            states: self.states.map(|ticks| ticks * self.setting.period),
+            identified: self.identified,
             faults: self.faults,
             peak: self.peak,
             digest: self.hasher.finish(),
@@ -203,7 +220,7 @@ impl World {
 
     /// Runs the faults, then peace, in which the drive has to work.
     fn live(&mut self) -> Checked {
-        while self.ticks < TROUBLE {
+        while self.time() < TROUBLE {
             let mishap = self.next()?;
             self.say(|| format!("{mishap:?}"));
             self.mishaps[mishap.kind() as usize] += 1;
@@ -220,13 +237,16 @@ impl World {
     pub(super) fn next(&mut self) -> Checked<Mishap> {
         // The square of an even draw: often soon, sometimes late.
         let share = self.fate.between(0.0, 1.0);
-        self.run(PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share)?;
+        let calm = if self.identification.is_some() { CALM } else { 1.0 };
+        self.run(calm * (PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share))?;
         Ok(self.fate.draw())
     }
 
     pub(super) fn happen(&mut self, mishap: Mishap) {
+        if self.is_refused(&mishap) {
+            return;
+        }
         let speed = |share: f64| share * self.setting.commissioning.speed_max;
-        let ticks = |seconds: f64| (seconds / TICK) as u64;
         match mishap {
             Mishap::Start(share) => self.master.start(speed(share) as i32),
             Mishap::SetSpeed(share) => self.master.set_speed(speed(share) as u16),
@@ -236,7 +256,11 @@ impl World {
             Mishap::Request(request) => drop(self.master.request(request)),
             Mishap::Download(download) => drop(self.master.download(download)),
             Mishap::AbortDownload => self.master.abort_download(),
-            Mishap::Silence(seconds) => self.silent_until = self.ticks + ticks(seconds),
+            Mishap::Identify(halls) => {
+                let poles = self.setting.config.plant.motor.pole_pairs;
+                self.identification = Identification::new(Asked { halls, ..Asked::new(poles) }).ok();
+            }
+            Mishap::Silence(seconds) => self.silent_until = self.ticks + self.ticks_in(seconds),
             Mishap::Frames(frames) => {
                 self.bench.set_other(Attachment::Normal);
                 for frame in frames {
@@ -258,7 +282,7 @@ impl World {
             Mishap::Disturb(frames, bit) => self.bench.disturb_bus(frames, bit),
             Mishap::Unplug(seconds) => {
                 self.bench.set_host(Attachment::Detached);
-                self.unplugged_until = self.ticks + ticks(seconds);
+                self.unplugged_until = self.ticks + self.ticks_in(seconds);
             }
             Mishap::Cut(steps, tear) => {
                 self.bench.flash().cut_after(steps, tear);
@@ -276,8 +300,34 @@ impl World {
         }
     }
 
+    /// While the drive measures its motor, the operator's program refuses what else he asks for; now and then
+    /// he aborts it.
+    fn is_refused(&mut self, mishap: &Mishap) -> bool {
+        let Some(identification) = &mut self.identification else { return false };
+        if !matches!(mishap.kind(), Kind::Command | Kind::Request | Kind::Download | Kind::Identify) {
+            return false;
+        }
+        if self.fate.chance(0.1) {
+            identification.abort(&mut self.master);
+        }
+        true
+    }
+
+    /// Goes on with what the operator's program does.
+    fn identify(&mut self, now: u64) {
+        let Some(identification) = &mut self.identification else { return };
+        if let Some(outcome) = identification.step(&mut self.master, now) {
+            self.say(|| match &outcome {
+                Ok(_) => "the motor is identified".into(),
+                Err(error) => format!("identification: {error}"),
+            });
+            self.identified += u64::from(outcome.is_ok());
+            self.identification = None;
+        }
+    }
+
     pub(super) fn run(&mut self, seconds: f64) -> Checked {
-        let until = self.ticks + (seconds / TICK) as u64;
+        let until = self.ticks + self.ticks_in(seconds);
         while self.ticks < until {
             self.tick()?;
         }
@@ -287,6 +337,7 @@ impl World {
     pub(super) fn tick(&mut self) -> Checked {
         self.ticks += 1;
         let now = self.bench.now_ns() / 1000;
+        self.identify(now);
         if self.ticks >= self.silent_until {
             while let Some(frame) = self.master.poll_frame(now) {
                 // The frames of a master whose cable is disconnected are refused.
@@ -311,13 +362,16 @@ impl World {
             self.frames += 1;
             Watch::frame(&received.frame, address)?;
         }
-        while let Some(answer) = self.master.poll_answer() {
-            self.answer = Some(answer);
+        // They belong to the identification while there is one.
+        if self.identification.is_none() {
+            while let Some(answer) = self.master.poll_answer() {
+                self.answer = Some(answer);
+            }
+            while self.master.poll_chunk().is_some() {}
+            let _ = self.master.poll_download();
         }
-        while self.master.poll_chunk().is_some() {}
-        let _ = self.master.poll_download();
         self.keep();
-        self.watch.tick(&self.bench)?;
+        self.watch.tick(&self.bench, self.setting.period)?;
         if self.ticks.is_multiple_of(LOOK) {
             let PlantConfig { motor, inverter, .. } = &self.setting.config.plant;
             // Two windings in series store the most.
@@ -362,6 +416,7 @@ impl World {
         // The master has not lost its power, only its drive. It is built anew because its clock is the
         // bench's, which begins anew.
         self.master = master(&self.bench);
+        self.identification = None;
         self.watch.begin_anew();
         self.unplugged_until = 0;
     }
@@ -379,6 +434,8 @@ pub(super) fn master(bench: &Bench) -> Master {
 #[derive(Clone)]
 pub(super) struct Setting {
     pub(super) config: BenchConfig,
+    /// Of the PWM, microseconds.
+    pub(super) period: u64,
     pub(super) mode: Mode,
     pub(super) commissioning: Commissioning,
     pub(super) rated_torque: f64,
@@ -391,13 +448,15 @@ impl Setting {
         let preset = &PRESETS[fate.below(PRESETS.len())];
         let mode = Mode::ALL[fate.below(Mode::ALL.len())];
         let supply = fate.between(20.0, 58.0);
+        let period = PERIODS[fate.below(PERIODS.len())];
+        let board = Board::BENCH.at_rate((1_000_000 / period) as u32)?;
         let plate = Nameplate {
             motor: preset.motor.figures(),
             rated_current: preset.data.rated_current,
             supply,
             open_loop_speed: None,
         };
-        let commissioning = plate.commission(mode).ok()?;
+        let commissioning = plate.commission_on(&board, mode, None).ok()?;
         let sheet = &preset.motor;
         let motor = MotorConfig {
             inertia: sheet.inertia * fate.between(0.7, 2.0),
@@ -406,12 +465,12 @@ impl Setting {
             torque_constant: sheet.torque_constant * fate.between(0.9, 1.05),
             ..*sheet
         };
-        let mut plant = PlantConfig::new(motor, supply);
+        let mut plant = PlantConfig { board, ..PlantConfig::new(motor, supply) };
         plant.angle_deg = fate.between(0.0, 360.0);
         plant.seed = seed;
         let parameters = commissioning.parameters.clone();
         let label = format!("world {seed}");
         let config = BenchConfig { plant, parameters, label, trace: false };
-        Some(Self { config, mode, commissioning, rated_torque: preset.rated_torque() })
+        Some(Self { config, period, mode, commissioning, rated_torque: preset.rated_torque() })
     }
 }

@@ -181,11 +181,24 @@ impl Stage {
         if rate * length > ANGLE_MAX {
             length = ANGLE_MAX / rate;
         }
+        length = self.to_stop(length);
         let hold = self.hold();
         if hold * length * length > HOLD_MAX * HOLD_MAX {
             length = (HOLD_MAX / libm::sqrt(hold)).max(LENGTH_MIN);
         }
         if self.shape.is_sine() { length } else { self.to_corner(length) }
+    }
+
+    /// `length`, or less if the shaft comes to rest before: it may turn back from there.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn to_stop(&self, length: f64) -> f64 {
+        let speed = self.shaft.speed;
+        let loss = -self.shaft.acceleration(self.torque);
+        if speed * (speed - loss * length) < 0.0 {
+            (speed / loss).max(LENGTH_MIN).min(length)
+        } else {
+            length
+        }
     }
 
     /// Square of the rate at which the rotor swings about where the present currents hold it, (rad/s)2, at

@@ -123,6 +123,11 @@ impl Shaft {
         self.angle / self.turns_per_radian()
     }
 
+    /// Acceleration of a shaft that turns, under an electrical torque in N m, rad/s2.
+    pub(crate) fn acceleration(&self, torque: f64) -> f64 {
+        (self.opposing + torque) * self.per_inertia
+    }
+
     /// Predicts the motion of the shaft for `h` seconds if the electrical torque is `torque` at first, N m.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn predict(&self, torque: f64, h: f64) -> Motion {

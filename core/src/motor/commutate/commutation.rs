@@ -72,27 +72,23 @@ pub enum Leg {
 /// The six running steps by sector.
 pub const STEPS: [Step; 6] = [Step::AB, Step::AC, Step::BC, Step::BA, Step::CA, Step::CB];
 
-/// Running steps with forward and with reverse torque, in tables of eight: no index of three bits is out of
-/// range.
-const FORWARD: [Step; 8] = turned(0);
-const REVERSE: [Step; 8] = turned(3);
-
-const fn turned(sectors: usize) -> [Step; 8] {
-    let mut steps = [Step::Coast; 8];
-    let mut sector = 0;
-    while sector < 8 {
-        steps[sector] = STEPS[(sector + sectors) % 6];
-        sector += 1;
+/// The running steps round and round: no index of three bits is out of range, with or without half a turn.
+const ROUND: [Step; 11] = {
+    let mut steps = [Step::Coast; 11];
+    let mut place = 0;
+    while place < steps.len() {
+        steps[place] = STEPS[place % 6];
+        place += 1;
     }
     steps
-}
+};
 
 /// The six locks by the angle they pull to, from 0 in steps of 60 degrees.
 pub const LOCKS: [Step; 6] =
     [Step::LockBC, Step::LockC, Step::LockCA, Step::LockA, Step::LockAB, Step::LockB];
 
 impl Step {
-    /// Every pattern.
+    /// Every pattern, in the order of their numbers.
     pub const ALL: [Self; 13] = [
         Self::Coast,
         Self::AB,
@@ -108,6 +104,11 @@ impl Step {
         Self::LockC,
         Self::LockCA,
     ];
+
+    /// The pattern with this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number)).copied()
+    }
 
     /// The legs A, B, C.
     pub const fn legs(self) -> [Leg; 3] {
@@ -132,11 +133,11 @@ impl Step {
     /// The step that gives torque in `direction` to a rotor in `sector` (0..=5).
     #[inline]
     pub const fn for_sector(sector: u8, direction: Direction) -> Self {
-        let steps = match direction {
-            Direction::Forward => &FORWARD,
-            Direction::Reverse => &REVERSE,
+        let half_turn = match direction {
+            Direction::Forward => 0,
+            Direction::Reverse => 3,
         };
-        steps[(sector & 7) as usize]
+        ROUND[(sector & 7) as usize + half_turn]
     }
 
     /// The sector of a rotor that this step gives torque in `direction`.

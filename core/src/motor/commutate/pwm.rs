@@ -75,6 +75,11 @@ impl Commutations {
         }
     }
 
+    /// The first and the second change.
+    pub const fn both(&self) -> [Option<Commutation>; 2] {
+        self.0
+    }
+
     /// The changes in order of time.
     pub fn iter(&self) -> impl Iterator<Item = Commutation> + '_ {
         self.0.iter().flatten().copied()

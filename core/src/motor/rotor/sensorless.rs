@@ -173,7 +173,7 @@ impl Sensorless {
         if !self.back_emf.goes_on(applied) {
             end = self.watch_step(c, now, samples, applied, torque);
             let hidden = samples.edges.is_empty() && self.back_emf.rests(now, samples, applied.sample_at);
-            if hidden && end == End::Seen {
+            if hidden && matches!(end, End::Seen) {
                 return false;
             }
         }
@@ -219,7 +219,7 @@ impl Sensorless {
         end: End,
         observation: Observation,
     ) -> bool {
-        let blind = end == End::Missed;
+        let blind = matches!(end, End::Missed);
         if blind {
             self.estimator.step_blind(now);
         }
