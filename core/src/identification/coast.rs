@@ -21,7 +21,7 @@ use super::fit::Fit;
 use super::record::Record;
 use core::f64::consts::{FRAC_PI_3, TAU};
 use heapless::Vec;
-use libm::{fmax, fmin};
+use libm::{fmax, fmin, sqrt};
 
 /// The new highest terminal must be this much above the old one to count, V.
 const CLEAR: f64 = 0.05;
@@ -41,8 +41,10 @@ const FAST: f64 = 0.7;
 const UNSURE: f64 = 0.03;
 /// A third that is seen in fewer samples tells nothing.
 const SAMPLES: usize = 4;
-/// With as many thirds the speed is taken of whole revolutions.
-const REVOLUTIONS: usize = 6;
+/// Fewest thirds: three revolutions, each a third later than the one before.
+const LEAST: usize = 5;
+/// Angle of a third.
+const THIRD: f64 = TAU / 3.0;
 /// Most thirds that are kept.
 const THIRDS: usize = 256;
 
@@ -67,26 +69,28 @@ pub(super) struct Coast {
 #[derive(Clone, Copy, Debug)]
 struct Third {
     flux: f64,
-    /// rad/s.
-    speed: f64,
-    /// Middle, s.
-    time: f64,
+    /// s.
+    begin: f64,
+    end: f64,
     /// Time for which the second terminal is near ground, s.
     low: f64,
 }
 
 impl Third {
+    /// rad/s.
+    fn speed(&self) -> f64 {
+        THIRD / (self.end - self.begin)
+    }
+
     /// The integral with what was hidden. interval: from one sample to the next, s.
     fn whole_flux(&self, interval: f64) -> f64 {
-        let step = self.speed * interval;
+        let speed = self.speed();
+        let step = speed * interval;
         let seen = self.flux * (1.0 + CHORD * step * step) + DIODE * self.low;
-        // E = k w / p of the whole flux, by turns.
-        let mut whole = seen;
-        for _ in 0..4 {
-            let emf = whole * self.speed / FRAC_PI_3;
-            whole = seen / (1.0 + fmin(SLOPES / (emf * emf), 0.5));
-        }
-        whole
+        // whole (1 + SLOPES / E^2) = seen, with E of the whole flux.
+        let per_flux = speed / FRAC_PI_3;
+        let slopes = SLOPES / (per_flux * per_flux);
+        (seen + sqrt(fmax(seen * seen - 4.0 * slopes, 0.0))) / 2.0
     }
 }
 
@@ -103,16 +107,16 @@ impl Coast {
         if later.error < self.error { Self { flux, ..later } } else { Self { flux, ..self } }
     }
 
-    /// Of a record of the three terminals from the stop on; `None` if fewer than four thirds were seen.
+    /// Of a record of the three terminals from the stop on; `None` if fewer than five thirds were seen.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let thirds = thirds(record);
         let [first, .., last] = thirds.as_slice() else { return None };
-        if thirds.len() < 4 {
+        if thirds.len() < LEAST {
             return None;
         }
-        let fastest = thirds.iter().map(|third| third.speed).fold(0.0, fmax);
+        let fastest = thirds.iter().map(Third::speed).fold(0.0, fmax);
         let mut flux = Fit::default();
-        for third in thirds.iter().filter(|third| third.speed > FAST * fastest) {
+        for third in thirds.iter().filter(|third| third.speed() > FAST * fastest) {
             flux.add(&[1.0], third.whole_flux(record.interval), 1.0);
         }
         let flux = flux.solve()?;
@@ -120,8 +124,8 @@ impl Coast {
         if flux.error[0] == 0.0 || flux.error[0] > UNSURE * flux.value[0] {
             return None;
         }
-        let (friction, begin, error, split) = friction(&thirds)?;
-        let mean = (first.speed + last.speed) / 2.0;
+        let mean = (first.speed() + last.speed()) / 2.0;
+        let (friction, begin, error, split) = friction(&thirds, mean)?;
         Some(Self {
             flux: (flux.value[0], flux.error[0]),
             speed: begin,
@@ -134,32 +138,26 @@ impl Coast {
 }
 
 /// `c`, `b`, the speed at time 0, and the standard errors of the deceleration and of `b`. Friction never
-/// drives: a `b` or a `c` below 0 is taken as 0.
-fn friction(thirds: &[Third]) -> Option<((f64, f64), f64, f64, f64)> {
-    let (mut both, mut dry, mut wet) = (Fit::default(), Fit::default(), Fit::default());
+/// drives: a `b` or a `c` below 0 is taken as 0. mean: speed, rad/s.
+fn friction(thirds: &[Third], mean: f64) -> Option<((f64, f64), f64, f64, f64)> {
+    let (mut both, mut line) = (Fit::default(), Fit::default());
     // By whole revolutions: an offset of one terminal makes the thirds differ in length.
-    let count = if thirds.len() < REVOLUTIONS { 1 } else { 3 };
-    for (number, window) in thirds.windows(count).enumerate() {
-        let [first, ..] = window else { return None };
-        let begin = first.time - TAU / 6.0 / first.speed;
-        let duration = window.iter().map(|third| TAU / 3.0 / third.speed).sum::<f64>();
-        let (time, way) = (begin + duration / 2.0, count as f64 * TAU / 3.0);
-        let (angle, speed) = (number as f64 * TAU / 3.0 + way / 2.0, way / duration);
+    for (number, window) in thirds.windows(3).enumerate() {
+        let [first, _, last] = window else { return None };
+        let time = (first.begin + last.end) / 2.0;
+        let (angle, speed) = ((number as f64 + 1.5) * THIRD, TAU / (last.end - first.begin));
         both.add(&[1.0, -time, -angle], speed, 1.0);
-        dry.add(&[1.0, -time], speed, 1.0);
-        wet.add(&[1.0, -angle], speed, 1.0);
+        line.add(&[1.0, -time], speed, 1.0);
     }
     // The deceleration in the mean is what a straight line shows; its two parts are less certain.
-    let line = dry.solve()?;
+    let line = line.solve()?;
+    let [begin, deceleration, ..] = line.value;
     let both = both.solve();
     let split = both.map_or(f64::INFINITY, |fit| fit.error[2]);
-    let (friction, begin) = match both.map(|fit| fit.value) {
-        Some([_, c, ..]) if c < 0.0 => {
-            let [begin, b, ..] = wet.solve()?.value;
-            ((0.0, b), begin)
-        }
-        Some([begin, c, b, ..]) if b >= 0.0 => ((c, b), begin),
-        _ => ((line.value[1], 0.0), line.value[0]),
+    let friction = match both.map(|fit| fit.value) {
+        Some([_, c, ..]) if c < 0.0 => (0.0, deceleration / mean),
+        Some([_, c, b, ..]) if b >= 0.0 => (c, b),
+        _ => (deceleration, 0.0),
     };
     Some((friction, begin, line.error[1], split))
 }
@@ -211,9 +209,7 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
                 break;
             }
             if let Some(begin) = begun {
-                let speed = TAU / 3.0 / (at - begin);
-                let third = Third { flux: until, speed, time: (begin + at) / 2.0, low };
-                if thirds.push(third).is_err() {
+                if thirds.push(Third { flux: until, begin, end: at, low }).is_err() {
                     break;
                 }
             }
