@@ -291,8 +291,8 @@ pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 const RATED_PEAK: f64 = 12.0;
 /// Peak phase current less what commutation adds to the ripple as a rule, which a bus shunt does not see, A.
 const PEAK: f64 = RATED_PEAK - 0.6;
-/// It adds this share of the ripple if that is more, unless the ripple limits the duty: pulses are short
-/// then.
+/// Commutation adds this share of the ripple where that is more. Where the ripple limits the duty, pulses are
+/// short, and it does not.
 const STEEP: f64 = 0.15;
 /// And this much less without sensors, whose commutation is a few degrees off at times, A.
 const SENSORLESS_PEAK: f64 = PEAK - 0.8;

@@ -29,8 +29,8 @@ const CLEAR: f64 = 0.05;
 const DIODE: f64 = 0.8;
 /// A terminal that reads less than this may be below ground, V.
 const LOW: f64 = 0.1;
-/// Share of the flux, times the square of the back-EMF, V2, by which `DIODE` over the time at `LOW` is too
-/// much: `DIODE (DIODE + 2 LOW)` for the slopes of a sine, half as much for those of a trapezoid.
+/// `DIODE` times the time below `LOW` counts the slopes in full: too much by this share of the flux over the
+/// square of the back-EMF, V2. `DIODE (DIODE + 2 LOW)` for a sine, half as much for a trapezoid.
 const SLOPES: f64 = 0.7;
 /// Share that straight lines cut off, over the square of the angle between two samples. The trapezoidal rule
 /// loses `h^2 / 12` of the change of slope, which from crossing to crossing is `2 k w` for every shape.
@@ -72,7 +72,7 @@ struct Third {
     /// s.
     begin: f64,
     end: f64,
-    /// Time for which the second terminal is near ground, s.
+    /// Time for which the second terminal reads less than `LOW`, s.
     low: f64,
 }
 
