@@ -650,7 +650,8 @@ size_t narx_master_size(void);
 
 /// Makes a master without a command yet in `size` bytes of memory: sizeof(narx_master_t), or
 /// narx_master_size() of your own. `config` may be NULL for the default. The master sends set-points of 0,
-/// which keep measurements coming, but neither stops a motor nor acknowledges a fault.
+/// which keep measurements coming, but neither stop a motor nor acknowledge a fault. A drive whose motor
+/// another master has started gets none: they would keep the motor turning after that master is gone.
 narx_status_t narx_master_init(struct narx_master_t *master,
                                size_t size,
                                const struct narx_master_config_t *config);

@@ -28,6 +28,28 @@ fn set_points_alone_until_something_is_commanded() {
 }
 
 #[test]
+fn a_master_that_asks_for_nothing_keeps_no_motor_turning() {
+    let mut pair = Pair::quiet();
+    let drives = Status { state: State::HallClosedLoop, ..Status::default() };
+    pair.bench.node.handle_status(drives);
+    pair.run(60);
+    pair.take_sent(|_| true);
+    // Set-points would restart the drive's time-out.
+    pair.run(500);
+    assert_eq!(pair.take_sent(is_command), []);
+    pair.bench.node.handle_status(Status { state: State::Fault, ..drives });
+    pair.run(100);
+    assert_eq!(pair.take_sent(is_command).first(), Some(&ToDrive::MotorCommand { speed: 0 }));
+    // A speed that was asked for is sent to a drive that another master has started.
+    let mut pair = Pair::quiet();
+    pair.bench.node.handle_status(drives);
+    pair.run(60);
+    pair.master.set_speed(900);
+    pair.step();
+    assert_eq!(pair.take_sent(is_command).last(), Some(&ToDrive::MotorCommand { speed: 900 }));
+}
+
+#[test]
 fn commands_go_out_at_once_and_are_repeated() {
     let mut pair = Pair::quiet();
     pair.master.stop();

@@ -100,7 +100,7 @@ def test_what_is_wrong_has_a_name() -> None:
     phases: list[Literal["A", "B", "C"]] = ["A", "B", "C"]
     for phase in phases:
         bench.inject("open-phase", phase=phase)
-    with pytest.raises(narx.StartError, match="no motor, or an open phase"):
+    with pytest.raises(narx.StartError, match="no motor is connected"):
         bench.drive.identify(8)
     with pytest.raises(narx.ParameterError, match="pole_pairs"):
         bench.drive.identify(0)

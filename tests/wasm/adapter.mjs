@@ -78,6 +78,7 @@ export async function plugIn(page, port) {
 
 /** Runs in the page, before it asks for a port. */
 function inPage(bridge) {
+    let lost;
     const port = {
         async open() {
             const { body } = await fetch(bridge);
@@ -86,11 +87,15 @@ function inPage(bridge) {
             port.readable = gone.readable.pipeThrough(
                 new TransformStream({
                     start(controller) {
-                        globalThis.unplugSerial = () => controller.error(new DOMException("The device has been lost.", "NetworkError"));
+                        globalThis.unplugSerial = () => {
+                            lost = new DOMException("The device has been lost.", "NetworkError");
+                            controller.error(lost);
+                        };
                     },
                 }),
             );
-            port.writable = new WritableStream({ write: (chunk) => fetch(bridge, { method: "POST", body: chunk, keepalive: true }) });
+            const write = (chunk) => (lost ? Promise.reject(lost) : fetch(bridge, { method: "POST", body: chunk, keepalive: true }));
+            port.writable = new WritableStream({ write });
         },
         async close() {},
     };

@@ -165,8 +165,8 @@ test("an end without figures has its reason", async () => {
     for (const [options, name, message] of [
         [{ turn: false }, "RangeError", "hall sensors and pole pairs need a rotor that may turn"],
         [{ polePairs: 0 }, "RangeError", "identify: polePairs 0: must be a whole number from 1 to 50"],
-        [{ polePairs: 4, current: 7 }, "RangeError", "largest current 7 A is not above 0 and up to 6 A"],
-        [{ polePairs: 4, bridge: 1 }, "RangeError", "resistance of the bridge 1 ohm is not 0 or more and below 1 ohm"],
+        [{ polePairs: 4, current: 7 }, "RangeError", "largest current 7 A must be above 0 and at most 6 A"],
+        [{ polePairs: 4, bridge: 1 }, "RangeError", "resistance of the bridge 1 ohm must be 0 or more and below 1 ohm"],
         [{ polePairs: 4, turn: 1 }, "TypeError", "identify: turn 1: must be true or false"],
         [{ polepairs: 4 }, "TypeError", /no option polepairs/],
     ]) {

@@ -174,7 +174,7 @@ fn packages(root: &Path) -> Outcome {
         // `low-memory-unused` may assume that. Functions that are called once stay functions of their own:
         // they look more alike, so that a module is larger but, compressed, smaller.
         optimise
-            .args(["-Os", "--low-memory-unused", "--strip-target-features"])
+            .args(["-Os", "--converge", "--low-memory-unused", "--strip-target-features"])
             .args(["--one-caller-inline-max-function-size", "20"])
             .args(FEATURES)
             .arg(&file)

@@ -97,46 +97,49 @@ impl fmt::Display for IdentificationError {
         match *self {
             Self::PolePairs(value) => write!(f, "pole pairs {value} are outside 1 to 50"),
             Self::Current(value) => {
-                write!(f, "largest current {} A is not above 0 and up to 6 A", plain(value))
+                write!(f, "largest current {} A must be above 0 and at most 6 A", plain(value))
             }
             Self::Bridge(value) => {
-                write!(f, "resistance of the bridge {} ohm is not 0 or more and below 1 ohm", plain(value))
+                write!(f, "resistance of the bridge {} ohm must be 0 or more and below 1 ohm", plain(value))
             }
             Self::Held => f.write_str("hall sensors and pole pairs need a rotor that may turn"),
             Self::NotCounted { counted } => {
                 write!(f, "pole pairs {} by the marks: no whole number, 1 to 50", Shown::Rounded(counted, 2))
             }
-            Self::Rate(rate) => write!(f, "PWM rate {rate} Hz is not one of this drive"),
+            Self::Rate(rate) => write!(f, "a PWM rate of {rate} Hz is not one of this drive"),
             Self::Value(error) => error.fmt(f),
             Self::NotInStandby(Some(state)) => {
                 write!(f, "the drive is in {}, not in Standby", state.name())
             }
-            Self::NotInStandby(None) => f.write_str("the drive has no known state"),
+            Self::NotInStandby(None) => f.write_str("the state of the drive is not known"),
             Self::Lost => f.write_str("nothing is received from the drive"),
             Self::NoScope { room } => {
-                write!(f, "the scope has {room} words, less than 1024")
+                write!(f, "the scope's memory of {room} words is less than 1024")
             }
             Self::NoMotor { duty } => write!(
                 f,
-                "no current is seen at a duty of {} %: no motor, or an open phase",
+                "no current is seen at a duty of {} %: no motor is connected, a phase is open, or its resistance is too high",
                 Shown::Rounded(100.0 * duty, 1)
             ),
             Self::Short { resistance } => {
-                write!(f, "motor and bridge have {} ohm, as the bridge alone", plain(resistance))
+                write!(f, "motor and bridge have {} ohm, no more than the bridge alone", plain(resistance))
             }
-            Self::Sags { from, to } => {
-                write!(f, "the supply falls from {} to {} V", Shown::Rounded(from, 1), Shown::Rounded(to, 1))
-            }
-            Self::Unsteady(stage) => {
-                write!(
-                    f,
-                    "the record while {} fits no motor: something moves or holds the shaft",
-                    stage.name()
-                )
-            }
-            Self::NoBackEmf { rpm } => {
-                write!(f, "no back-EMF after {} rpm: does the rotor turn?", Shown::Rounded(rpm, 0))
-            }
+            Self::Sags { from, to } => write!(
+                f,
+                "the supply falls from {} to {} V under load",
+                Shown::Rounded(from, 1),
+                Shown::Rounded(to, 1)
+            ),
+            Self::Unsteady(stage) => write!(
+                f,
+                "what was recorded while {} fits no motor: something moves the shaft, or holds it",
+                stage.name()
+            ),
+            Self::NoBackEmf { rpm } => write!(
+                f,
+                "the terminals show no back-EMF after {} rpm: does the rotor turn?",
+                Shown::Rounded(rpm, 0)
+            ),
             Self::NotReached { rpm, reached } => {
                 write!(f, "the motor reaches {reached} rpm of {}", Shown::Rounded(rpm, 0))
             }
@@ -146,7 +149,7 @@ impl fmt::Display for IdentificationError {
                 Shown::Rounded(slow, 0),
                 Shown::Rounded(fast, 0)
             ),
-            Self::Commissioning(error) => write!(f, "cannot be commissioned: {error}"),
+            Self::Commissioning(error) => write!(f, "what was measured cannot be commissioned: {error}"),
             Self::Job(error) => error.fmt(f),
             Self::Request(_, error) => error.fmt(f),
             Self::Download(error) => error.fmt(f),

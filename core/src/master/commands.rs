@@ -5,8 +5,10 @@ use crate::bus::narmotion::{MotorMode, RequestWord, ToDrive};
 /// The last request and set-point, and when they are due again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Commands {
-    /// `None` before the first command: until then set-points are sent without a request.
+    /// `None` before the first request: until then set-points are sent alone.
     mode: Option<MotorMode>,
+    /// A mode or a speed was asked for.
+    asked: bool,
     /// Magnitude, rpm.
     speed: u16,
     /// Time at which the next set-point is due, microseconds.
@@ -19,12 +21,14 @@ impl Commands {
     /// Asks for a mode, from the next poll on.
     pub(super) const fn request(&mut self, mode: MotorMode) {
         self.mode = Some(mode);
+        self.asked = true;
         self.due = 0;
     }
 
     /// Asks for a speed, from the next poll on.
     pub(super) const fn set_speed(&mut self, speed: u16) {
         self.speed = speed;
+        self.asked = true;
         self.due = 0;
     }
 
@@ -36,17 +40,22 @@ impl Commands {
         self.speed
     }
 
-    /// Time at which the next frame is due.
-    pub(super) const fn due(&self) -> u64 {
-        if self.pending.is_some() { 0 } else { self.due }
+    /// Time at which the next frame is due. A drive that `drives` gets none before something was asked for:
+    /// set-points restart its time-out, and would keep a motor turning that nobody commands any more.
+    pub(super) const fn due(&self, drives: bool) -> u64 {
+        match self.pending {
+            Some(_) => 0,
+            None if drives && !self.asked => u64::MAX,
+            None => self.due,
+        }
     }
 
     /// Returns the message that is due at `now`: first the set-point, then the request.
-    pub(super) fn poll(&mut self, now: u64, period: u64) -> Option<ToDrive> {
+    pub(super) fn poll(&mut self, now: u64, period: u64, drives: bool) -> Option<ToDrive> {
         if let Some(mode) = self.pending.take() {
             return Some(ToDrive::RequestWord(RequestWord { mode }));
         }
-        if now < self.due {
+        if now < self.due(drives) {
             return None;
         }
         self.due = now.saturating_add(period);

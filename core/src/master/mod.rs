@@ -128,7 +128,8 @@ pub struct Master {
 
 impl Master {
     /// Makes a master without a command yet: it sends set-points of 0, which keep measurements coming, but
-    /// neither stops a motor nor acknowledges a fault.
+    /// neither stop a motor nor acknowledge a fault. A drive whose motor another master has started gets none:
+    /// they would keep the motor turning after that master is gone.
     pub fn new(config: Config) -> Self {
         let timeout = config.timeout.max(SHORTEST);
         let setpoint_period = config.setpoint_period.max(SHORTEST);
@@ -456,7 +457,7 @@ impl Master {
             return None;
         }
         self.work(now);
-        let message = self.commands.poll(now, self.config.setpoint_period);
+        let message = self.commands.poll(now, self.config.setpoint_period, self.report.drives());
         let message = message.or_else(|| self.poll_message(now));
         #[cfg(feature = "update")]
         let message = message.or_else(|| self.update.next(now));
@@ -487,7 +488,7 @@ impl Master {
         #[cfg(feature = "update")]
         let next = next.min(self.update.due());
         let next = if self.is_at_work() { next.min(now.saturating_add(LOOK)) } else { next };
-        next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
+        next.min(self.transfer.deadline()).min(self.commands.due(self.report.drives())).max(now)
     }
 
     /// Returns the next message besides commands; a repetition of the message under way comes first.

@@ -124,6 +124,11 @@ impl Report {
         }
     }
 
+    /// Returns whether the drive is known to drive its motor.
+    pub(super) fn drives(&self) -> bool {
+        self.status.is_some_and(|status| matches!(status.value.mode, MotorMode::Drive | MotorMode::Reverse))
+    }
+
     /// Returns the exact state: from the status word alone if that is unambiguous, else from parameter 261
     /// (`exact`) if that agrees with the status word.
     pub(super) fn state(&self, exact: Option<i32>) -> Option<State> {

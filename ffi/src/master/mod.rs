@@ -107,7 +107,8 @@ pub extern "C" fn narx_master_size() -> usize {
 
 /// Makes a master without a command yet in `size` bytes of memory: sizeof(narx_master_t), or
 /// narx_master_size() of your own. `config` may be NULL for the default. The master sends set-points of 0,
-/// which keep measurements coming, but neither stops a motor nor acknowledges a fault.
+/// which keep measurements coming, but neither stop a motor nor acknowledge a fault. A drive whose motor
+/// another master has started gets none: they would keep the motor turning after that master is gone.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_init(
     master: *mut narx_master_t,

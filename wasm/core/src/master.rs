@@ -11,7 +11,6 @@ use narx_core::master::{Config, Download, Master as Core, Received, SpeedLimits}
 use narx_wasm_values::error::{range_error, shown, whole};
 use narx_wasm_values::frame;
 use narx_wasm_values::options::{Options, set};
-use std::collections::BTreeMap;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -119,8 +118,8 @@ pub struct Master {
     pub(crate) image: Vec<u8>,
     /// Tables from the drive's description; `None`: those of this package are used.
     pub(crate) tables: Option<Tables>,
-    /// Raw values, as last received, of parameters that this package's tables do not have.
-    pub(crate) others: BTreeMap<u16, i32>,
+    /// Numbers and raw values, as last received, of parameters that this package's tables do not have.
+    pub(crate) others: Vec<(u16, i32)>,
 }
 
 #[wasm_bindgen]
@@ -153,7 +152,7 @@ impl Master {
             ..factory
         };
         let core = Core::new(config);
-        Ok(Self { core, now: 0, image: Vec::new(), tables: None, others: BTreeMap::new() })
+        Ok(Self { core, now: 0, image: Vec::new(), tables: None, others: Vec::new() })
     }
 
     /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are used.
@@ -365,7 +364,7 @@ impl Master {
     ) -> Result<Option<f64>, JsValue> {
         let number = description::number(self.tables.as_ref(), key)?;
         let known = self.core.parameters().get(number).map(|received| received.value);
-        let raw = known.or_else(|| self.others.get(&number).copied());
+        let raw = known.or_else(|| Some(self.others.iter().find(|(other, _)| *other == number)?.1));
         Ok(raw.map(|raw| self.value(number, raw)))
     }
 

@@ -206,7 +206,8 @@ impl Master {
     fn answered(&mut self, request: Request, raw: i32) -> f64 {
         let (Request::Read { number } | Request::Write { number, .. }) = request else { return 0.0 };
         if self.core.parameters().get(number).is_none() {
-            self.others.insert(number, raw);
+            self.others.retain(|(other, _)| *other != number);
+            self.others.push((number, raw));
         }
         self.value(number, raw)
     }
