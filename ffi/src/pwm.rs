@@ -81,8 +81,9 @@ pub(crate) unsafe fn step<'a, T: 'a>(
     // SAFETY: the caller's promise.
     let run = || unsafe {
         pointer::check(command)?;
-        let samples = Samples::try_from(pointer::read(samples)?)?;
-        Ok(step(object()?, &samples))
+        let mut converted = Samples::default();
+        pointer::read(samples)?.convert(&mut converted)?;
+        Ok(step(object()?, &converted))
     };
     let (answer, status) = match run() {
         Ok(answer) => (answer, NARX_OK),

@@ -71,25 +71,21 @@ pub struct narx_samples_t {
     pub edges: [narx_edge_t; NARX_EDGES_MAX],
 }
 
-impl TryFrom<&narx_samples_t> for Samples {
-    type Error = narx_status_t;
-
-    fn try_from(samples: &narx_samples_t) -> Result<Self, narx_status_t> {
-        let mut converted = Self {
-            tick: samples.tick,
-            phase_voltage: samples.phase_voltage,
-            bus_voltage: samples.bus_voltage,
-            bus_current: samples.bus_current,
-            sample_mode: one_of([SampleMode::OffTime, SampleMode::OnTime], samples.sample_mode)?,
-            current_mode: one_of([CurrentMode::Average, CurrentMode::OnTime], samples.current_mode)?,
-            skew: samples.skew,
-            hall: samples.hall,
-            edges_lost: samples.edges_lost,
-            lines: Lines::from_bits_retain(samples.lines),
-            ..Self::default()
-        };
-        converted.edges = edges(samples.edges.get(..samples.edge_count.into()).ok_or(NARX_ERROR_SAMPLES)?)?;
-        Ok(converted)
+impl narx_samples_t {
+    /// Converts these samples into `to`, which must be empty. A result with the samples in it would be copied
+    /// once more, in every control tick.
+    pub(crate) fn convert(&self, to: &mut Samples) -> Result<(), narx_status_t> {
+        to.tick = self.tick;
+        to.phase_voltage = self.phase_voltage;
+        to.bus_voltage = self.bus_voltage;
+        to.bus_current = self.bus_current;
+        to.sample_mode = one_of([SampleMode::OffTime, SampleMode::OnTime], self.sample_mode)?;
+        to.current_mode = one_of([CurrentMode::Average, CurrentMode::OnTime], self.current_mode)?;
+        to.skew = self.skew;
+        to.hall = self.hall;
+        to.edges_lost = self.edges_lost;
+        to.lines = Lines::from_bits_retain(self.lines);
+        convert_edges(self.edges.get(..self.edge_count.into()).ok_or(NARX_ERROR_SAMPLES)?, &mut to.edges)
     }
 }
 
@@ -116,15 +112,17 @@ impl From<&Samples> for narx_samples_t {
     }
 }
 
-/// Converts at most [`NARX_EDGES_MAX`] edges.
-pub(crate) fn edges(edges: &[narx_edge_t]) -> Result<Vec<Edge, EDGES_MAX>, narx_status_t> {
-    let mut converted = Vec::new();
+/// Converts at most [`NARX_EDGES_MAX`] edges into `to`, which must be empty.
+pub(crate) fn convert_edges(
+    edges: &[narx_edge_t],
+    to: &mut Vec<Edge, EDGES_MAX>,
+) -> Result<(), narx_status_t> {
     for edge in edges {
         let source = one_of([EdgeSource::Hall, EdgeSource::Comparator], edge.source)?;
         let edge = Edge { instant: edge.instant, source, code: edge.code };
-        converted.push(edge).map_err(|_| NARX_ERROR_SAMPLES)?;
+        to.push(edge).map_err(|_| NARX_ERROR_SAMPLES)?;
     }
-    Ok(converted)
+    Ok(())
 }
 
 /// Returns the value of an enumeration with this number; `values` are in the order of their numbers.

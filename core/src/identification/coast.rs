@@ -208,10 +208,10 @@ fn thirds(record: &Record) -> Vec<Third, THIRDS> {
             if *sense.get_or_insert(turned) != turned || (begun.is_some() && samples < SAMPLES) {
                 break;
             }
-            if let Some(begin) = begun {
-                if thirds.push(Third { flux: until, begin, end: at, low }).is_err() {
-                    break;
-                }
+            if let Some(begin) = begun
+                && thirds.push(Third { flux: until, begin, end: at, low }).is_err()
+            {
+                break;
             }
             (begun, top, crossed, samples, low) = (Some(at), Some(other), None, 0, 0.0);
             // From the crossing on the difference rises from 0.

@@ -3,8 +3,9 @@
 use super::{init, init_ready, narx_hall_settings_t, narx_setting_error_t};
 use crate::handle::{self, Handle};
 use crate::pointer;
-use crate::samples::{NARX_EDGES_MAX, edges, narx_edge_t};
+use crate::samples::{NARX_EDGES_MAX, convert_edges, narx_edge_t};
 use crate::status::narx_status_t::{self, *};
+use heapless::Vec;
 use narx_core::blocks::{Hall, HallReading, HallReady, HallSettings};
 
 /// A hall station: memory that the caller owns. It may be copied and moved between calls.
@@ -93,11 +94,12 @@ pub unsafe extern "C" fn narx_hall_step(
     let run = || unsafe {
         pointer::check(reading)?;
         let hall = handle::object(hall)?;
-        let captured = match count {
-            0 => edges(&[])?,
-            1..=NARX_EDGES_MAX => edges(pointer::slice(edge, count)?)?,
+        let mut captured = Vec::new();
+        match count {
+            0 => {}
+            1..=NARX_EDGES_MAX => convert_edges(pointer::slice(edge, count)?, &mut captured)?,
             _ => return Err(NARX_ERROR_SAMPLES),
-        };
+        }
         pointer::write(reading, hall.step(code & 7, &captured).into())
     };
     pointer::status(run())

@@ -144,9 +144,10 @@ pub unsafe extern "C" fn narx_zero_crossing_step(
     let run = || unsafe {
         pointer::check(reading)?;
         let detector = handle::object(detector)?;
-        let samples = Samples::try_from(pointer::read(samples)?)?;
+        let mut converted = Samples::default();
+        pointer::read(samples)?.convert(&mut converted)?;
         let applied = PwmCommand::try_from(pointer::read(applied)?)?;
-        pointer::write(reading, detector.step(&samples, &applied, direction(towards)?).into())
+        pointer::write(reading, detector.step(&converted, &applied, direction(towards)?).into())
     };
     pointer::status(run())
 }
