@@ -7,10 +7,13 @@
 //!            ---Report------->
 //! ```
 //!
-//! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]).
+//! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]), and a second drive
+//! with a motor of its own may stand on that bus ([`Bench::move_beside`]).
 //!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 
+#[cfg(feature = "tx-drivers")]
+mod beside;
 mod host;
 mod node;
 mod scope_memory;
@@ -65,7 +68,8 @@ pub const IDENTITY: Identity = Identity {
 /// The board reads its slow inputs this often, ms.
 const INPUTS_MS: u64 = 10;
 
-/// Drive, host, a listener and another node; where there are TX-Drivers, as many as have node-ids.
+/// Drive, host, a listener and another node; where there are TX-Drivers, as many as have node-ids. A second
+/// drive takes one of their places.
 const PLACES: usize = if cfg!(feature = "tx-drivers") { 4 + 127 } else { 4 };
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;

@@ -42,6 +42,7 @@ mod scope_inputs;
 mod scope_link;
 mod shown;
 mod texts;
+mod two_drives;
 mod update_node;
 mod wire;
 mod wire_update;

@@ -1,10 +1,12 @@
 //! Worlds: a drive under many simultaneous faults, for any simulated time.
 //!
 //! A world is a number. From it follow a motor, its load and supply, an operator who makes mistakes, broken
-//! cables and sensors, a disturbed bus and power cuts. The invariants are checked in every tick. The same
+//! cables and sensors, a disturbed bus and power cuts; in every fourth world a second drive on the bus. The
+//! invariants are checked in every tick. The same
 //! number gives the same world on every machine.
 
 mod mishap;
+mod neighbour;
 mod never;
 mod peace;
 mod total;

@@ -1,5 +1,6 @@
 //! Peace, after the faults: everything is repaired, and the drive has to work.
 
+use super::neighbour::{self, Neighbour};
 use super::never::{Checked, Never};
 use super::world::{World, master};
 use narx_core::bus::narmotion::DigitalOutputs;
@@ -15,7 +16,7 @@ use narx_sim::can::Attachment;
 /// Longest time after the faults until a drive that was requested to go to Standby is there; below, until one
 /// that was started turns, s. A fault waits for its acknowledgement, Auto-restart tries for its time, and a
 /// rotor without friction turns for long.
-const CALM: f64 = 12.0;
+const REST: f64 = 12.0;
 /// Time for two requests for Standby and the wait of a fault, or for the boot, s.
 const ACKNOWLEDGED: f64 = 1.0;
 const START: f64 = 20.0;
@@ -49,21 +50,21 @@ impl World {
         let rests = |status: &Status| is_standby(status) || status.state == State::Fault;
         let is_stopped = |status: &Status| is_standby(status) || status.standstill;
         self.run(ACKNOWLEDGED)?;
-        if !self.until(CALM, rests)? {
+        if !self.until(REST, rests)? {
             return Never::Standby.broken(format!("asked for Standby it is in {:?}", self.bench.status()));
         }
         self.ask(Request::DisableHallSupply(false))?;
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
         // Sensors whose supply is back show another sector; a rotor that may have moved counts as standing
         // only after the time of parameter 113.
-        if !self.until(CALM, is_stopped)? {
+        if !self.until(REST, is_stopped)? {
             return Never::Standby
                 .broken(format!("its rotor is not known to stand: {:?}", self.bench.status()));
         }
         let parameters = self.setting.commissioning.parameters.clone();
         self.write_all(&parameters)?;
         self.store()?;
-        if !self.until(CALM, is_standby)? {
+        if !self.until(REST, is_standby)? {
             return Never::Standby.broken(format!("all is mended, and it is in {:?}", self.bench.status()));
         }
         Ok(())
@@ -73,7 +74,7 @@ impl World {
     /// drive checks whether its flash is back.
     fn store(&mut self) -> Checked {
         let absent = |world: &Self| world.bench.status().faults.contains(FaultWord::STORE_ABSENT);
-        let until = self.ticks + self.ticks_in(CALM);
+        let until = self.ticks + self.ticks_in(REST);
         while absent(self) && self.ticks < until {
             self.tick()?;
         }
@@ -155,6 +156,25 @@ impl World {
         }
         self.unable = true;
         Ok(())
+    }
+
+    /// Checks that the second drive turns its motor, unless a stray frame has changed its parameters.
+    pub(super) fn neighbour_works(&mut self) -> Checked {
+        let Some(neighbour) = &mut self.neighbour else { return Ok(()) };
+        if neighbour.is_changed() {
+            return Ok(());
+        }
+        neighbour.make_peace();
+        self.say(|| "the second drive is started".into());
+        let until = self.ticks + self.ticks_in(neighbour::PEACE);
+        while self.ticks < until {
+            self.tick()?;
+            if self.neighbour.as_ref().is_some_and(Neighbour::turns) {
+                return Ok(());
+            }
+        }
+        let status = self.neighbour.as_ref().map(Neighbour::status);
+        Never::Turns.broken(format!("the second drive does not turn: {status:?}"))
     }
 
     /// Starts the drive; returns whether it turns.

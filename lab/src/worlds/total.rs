@@ -43,6 +43,12 @@ pub struct Total {
     /// Identifications that came to a result.
     #[serde(default)]
     pub identified: u64,
+    /// Worlds with a second drive on the bus.
+    #[serde(default)]
+    pub neighbours: u64,
+    /// Time in which second drives have driven their motors, microseconds.
+    #[serde(default)]
+    pub neighbours_driven: u64,
     /// Number of worlds in which each fault was seen.
     pub faults: Counts,
     /// Invariants, and the number of worlds in which each was broken.
@@ -80,6 +86,8 @@ impl Total {
             injections: counts(Injection::NAMES),
             states: counts(State::ALL.map(State::name)),
             identified: 0,
+            neighbours: 0,
+            neighbours_driven: 0,
             faults: counts(FaultWord::all().iter_names().map(|(name, _)| name)),
             invariants: counts(NEVER.map(|never| never.name())),
             unable: Vec::new(),
@@ -101,6 +109,8 @@ impl Total {
         add(&mut self.faults, faults.iter_names().map(|(name, _)| (name, 1)));
         self.hours = self.states.values().sum::<u64>() as f64 * 1e-6 / 3600.0;
         self.identified += story.identified;
+        self.neighbours += u64::from(story.neighbour.is_some());
+        self.neighbours_driven += story.neighbour.unwrap_or(0);
         if story.unable {
             self.unable.push(story.seed);
         }
@@ -126,6 +136,12 @@ impl fmt::Display for Total {
         writeln!(f, "states: {}", states.join(", "))?;
         writeln!(f, "mishaps: {}", list(&self.mishaps))?;
         writeln!(f, "identified: {}", self.identified)?;
+        let driven = self.neighbours_driven as f64 * 1e-6;
+        writeln!(
+            f,
+            "worlds with two drives: {}, of which the second drove for {driven:.0} s",
+            self.neighbours
+        )?;
         writeln!(f, "broken parts: {}", list(&self.injections))?;
         writeln!(f, "worlds with a fault: {}", list(&self.faults))?;
         writeln!(

@@ -1,6 +1,7 @@
 //! Life of one world from its number to its end.
 
 use super::mishap::{Chip, Fate, KINDS, Kind, Mishap};
+use super::neighbour::Neighbour;
 use super::never::{Broken, Checked, Watch};
 use narx_core::commissioning::{Commissioning, Mode, Nameplate};
 use narx_core::dictionary::number;
@@ -52,6 +53,8 @@ pub struct Story {
     pub states: [u64; 8],
     /// Number of identifications that came to a result.
     pub identified: u64,
+    /// Time in which a second drive on the bus has driven its motor, microseconds, if there was one.
+    pub neighbour: Option<u64>,
     /// All fault bits that were seen.
     pub faults: u32,
     /// Largest phase current, A.
@@ -92,6 +95,7 @@ pub(super) struct World {
     pub(super) fate: Fate,
     pub(super) setting: Setting,
     pub(super) bench: Bench,
+    pub(super) neighbour: Option<Neighbour>,
     pub(super) master: Master,
     pub(super) watch: Watch,
     pub(super) ticks: u64,
@@ -136,9 +140,10 @@ impl World {
 
     /// Builds a world with a drive at power-up, without faults so far.
     pub(super) fn of(seed: u64, tell: bool, fate: Fate, setting: Setting) -> Self {
-        let bench = Bench::new(&setting.config).without_recording();
+        let mut bench = Bench::new(&setting.config).without_recording();
         let master = master(&bench);
         Self {
+            neighbour: Neighbour::draw(seed, &mut bench, setting.period),
             seed,
             tell,
             fate,
@@ -190,6 +195,7 @@ impl World {
             injections: self.injections,
             states: self.states.map(|ticks| ticks * self.setting.period),
             identified: self.identified,
+            neighbour: self.neighbour.as_ref().map(Neighbour::driven),
             faults: self.faults,
             peak: self.peak,
             digest: self.hasher.finish(),
@@ -230,7 +236,8 @@ impl World {
             self.happen(mishap);
         }
         self.make_peace()?;
-        self.work()
+        self.work()?;
+        self.neighbour_works()
     }
 
     /// Runs until the next mishap; returns it.
@@ -349,18 +356,27 @@ impl World {
         }
         let before = self.bench.status().state;
         self.bench.step();
+        if let Some(neighbour) = &mut self.neighbour {
+            neighbour.tick(&mut self.bench, self.ticks < self.silent_until)?;
+        }
         self.tell_state(before);
         self.resets +=
             u64::from(before != State::Initialization && self.bench.status().state == State::Initialization);
         let now = self.bench.now_ns() / 1000;
         while let Some(received) = self.bench.receive() {
             self.master.handle_frame(&received.frame, now);
+            if let Some(neighbour) = &mut self.neighbour {
+                neighbour.receive(&received.frame);
+            }
         }
         while self.bench.receive_as_other().is_some() {}
         let address = self.bench.node().addresses().drive;
         while let Some(received) = self.bench.monitor() {
             self.frames += 1;
             Watch::frame(&received.frame, address)?;
+            if let Some(neighbour) = &self.neighbour {
+                neighbour.check(&received)?;
+            }
         }
         // They belong to the identification while there is one.
         if self.identification.is_none() {
@@ -412,6 +428,9 @@ impl World {
         let mut flash = std::mem::replace(&mut self.bench, empty).into_flash();
         flash.restore_power();
         self.bench = Bench::with_flash(&config, flash).without_recording();
+        if let Some(neighbour) = &mut self.neighbour {
+            neighbour.power_up(&mut self.bench);
+        }
         self.boots += 1;
         // The master has not lost its power, only its drive. It is built anew because its clock is the
         // bench's, which begins anew.

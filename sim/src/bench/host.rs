@@ -33,6 +33,11 @@ impl Bench {
         self.host
     }
 
+    /// The drive's place.
+    pub const fn own(&self) -> NodeIndex {
+        self.own
+    }
+
     /// Cuts the host off the bus, or connects it again.
     pub fn set_host(&mut self, attachment: Attachment) {
         self.bus.set_attachment(self.host, attachment);
