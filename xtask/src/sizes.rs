@@ -165,7 +165,7 @@ fn table(
 /// Flash of the program of the control tick alone, with a library of these control modes, bytes.
 fn alone(root: &Path, library: Library, processor: Processor, modes: &[&str]) -> Result<u64, String> {
     library.build_part(root, processor, modes)?;
-    let program = target_directory(root).join("c/alone.elf");
+    let program = file(root, "alone.elf")?;
     let mut compiler = Command::new(processor.tool("gcc"));
     compiler.args(processor.options()).args(["-std=c99", "-Os"]).args(cross::STRICT).args(BARE);
     compiler.arg("-Wl,--entry=main").arg("-I").arg(root.join("ffi/include"));
@@ -226,6 +226,13 @@ pub(crate) fn link(
     program(root, NARX, processor, &calls)
 }
 
+/// Returns the path of a file in the folder of C programs, which it creates.
+fn file(root: &Path, name: &str) -> Result<PathBuf, String> {
+    let directory = target_directory(root).join("c");
+    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+    Ok(directory.join(name))
+}
+
 /// Options for a program without a start-up, with the small C library.
 const BARE: [&str; 3] = ["-nostartfiles", "--specs=nano.specs", "-Wl,--gc-sections,-z,noexecstack"];
 
@@ -235,9 +242,7 @@ fn program(
     processor: Processor,
     calls: &[&String],
 ) -> Result<PathBuf, String> {
-    let directory = target_directory(root).join("c");
-    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
-    let program = directory.join("size.elf");
+    let program = file(root, "size.elf")?;
     let mut linker = Command::new(processor.tool("gcc"));
     linker.args(processor.options()).args(BARE);
     linker.args(calls.iter().map(|call| format!("-Wl,--undefined={call}")));
@@ -269,8 +274,7 @@ fn sizes(program: &Path) -> Result<(u64, u64, u64), String> {
 
 /// Size of an object, bytes.
 fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
-    let directory = target_directory(root).join("c");
-    let (source, compiled) = (directory.join("size.c"), directory.join("size.o"));
+    let (source, compiled) = (file(root, "size.c")?, file(root, "size.o")?);
     let text = format!("#include \"narx.h\"\n{object} object;\n");
     fs::write(&source, text).map_err(|error| format!("{}: {error}", source.display()))?;
     let mut compiler = Command::new(processor.tool("gcc"));
@@ -284,7 +288,7 @@ fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
 /// Mean and worst number of instructions of each step, counted by `tests/c/cost.c`.
 fn costs(root: &Path, processor: Processor) -> Result<Vec<(String, u64, u64)>, String> {
     install::debian(&[qemu::PACKAGE])?;
-    let program = target_directory(root).join("c/cost.elf");
+    let program = file(root, "cost.elf")?;
     let mut compiler = cross::compiler_for(root, processor, Machine::Mps2M4);
     compiler.args(["-std=c99", "-O2", "-I"]).arg(root.join("ffi/include")).args(cross::STRICT);
     compiler.arg(root.join("tests/c/cost.c")).arg(NARX.path(root, Some(processor)));
