@@ -95,11 +95,13 @@ impl<'m> Queues<'m> {
     }
 }
 
-/// Builds the coefficients. Out of line, like everything that is done once at power-up: inlined field by
-/// field into the caller, it takes twice the flash.
+/// Builds the coefficients. A stored set that does not build refuses every start; until it is corrected, boot
+/// and protection have the factory's values. Out of line, like everything that is done once at power-up:
+/// inlined field by field into the caller, it takes twice the flash.
 #[inline(never)]
 fn built(parameters: &Parameters, board: &Board) -> Coefficients {
-    Coefficients::build(parameters, board).unwrap_or_default()
+    let stored = Coefficients::build(parameters, board);
+    stored.or_else(|_| Coefficients::build(&Parameters::new(), board)).unwrap_or_default()
 }
 
 /// Sees what goes from one half to the other, as the control tick takes and gives it.

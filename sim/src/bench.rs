@@ -7,8 +7,8 @@
 //!            ---Report------->
 //! ```
 //!
-//! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]), and a second drive
-//! with a motor of its own may stand on that bus ([`Bench::move_beside`]).
+//! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]), and a second
+//! drive with a motor of its own may stand on that bus ([`Bench::move_beside`]).
 //!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 

@@ -41,6 +41,7 @@ mod scope_bench;
 mod scope_inputs;
 mod scope_link;
 mod shown;
+mod stored_set;
 mod texts;
 mod two_drives;
 mod update_node;

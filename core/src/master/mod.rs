@@ -128,8 +128,8 @@ pub struct Master {
 
 impl Master {
     /// Makes a master without a command yet: it sends set-points of 0, which keep measurements coming, but
-    /// neither stop a motor nor acknowledge a fault. A drive whose motor another master has started gets none:
-    /// they would keep the motor turning after that master is gone.
+    /// neither stop a motor nor acknowledge a fault. A drive whose motor another master has started gets
+    /// none: they would keep the motor turning after that master is gone.
     pub fn new(config: Config) -> Self {
         let timeout = config.timeout.max(SHORTEST);
         let setpoint_period = config.setpoint_period.max(SHORTEST);

@@ -110,7 +110,16 @@ impl World {
     }
 
     fn write(&mut self, number: u16, raw: i32) -> Checked {
-        self.ask(Request::Write { number, raw })?;
+        let request = Request::Write { number, raw };
+        match self.ask(request) {
+            // The set that one write has completed may bring a fault, in which nothing is written until the
+            // rotor is known to stand.
+            Err((Never::Answers, _)) if self.bench.status().state == State::Fault => {
+                self.until(REST, |status| status.standstill)?;
+                self.ask(request)?;
+            }
+            asked => asked?,
+        }
         if self.bench.node().parameters().raw(number) == raw {
             return Ok(());
         }
