@@ -16,7 +16,7 @@ use narx_sim::can::Attachment;
 /// Longest time after the faults until a drive that was requested to go to Standby is there; below, until one
 /// that was started turns, s. A fault waits for its acknowledgement, Auto-restart tries for its time, and a
 /// rotor without friction turns for long.
-const REST: f64 = 12.0;
+const LONGEST: f64 = 12.0;
 /// Time for two requests for Standby and the wait of a fault, or for the boot, s.
 const ACKNOWLEDGED: f64 = 1.0;
 const START: f64 = 20.0;
@@ -50,21 +50,21 @@ impl World {
         let rests = |status: &Status| is_standby(status) || status.state == State::Fault;
         let is_stopped = |status: &Status| is_standby(status) || status.standstill;
         self.run(ACKNOWLEDGED)?;
-        if !self.until(REST, rests)? {
+        if !self.until(LONGEST, rests)? {
             return Never::Standby.broken(format!("asked for Standby it is in {:?}", self.bench.status()));
         }
         self.ask(Request::DisableHallSupply(false))?;
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
         // Sensors whose supply is back show another sector; a rotor that may have moved counts as standing
         // only after the time of parameter 113.
-        if !self.until(REST, is_stopped)? {
+        if !self.until(LONGEST, is_stopped)? {
             return Never::Standby
                 .broken(format!("its rotor is not known to stand: {:?}", self.bench.status()));
         }
         let parameters = self.setting.commissioning.parameters.clone();
         self.write_all(&parameters)?;
         self.store()?;
-        if !self.until(REST, is_standby)? {
+        if !self.until(LONGEST, is_standby)? {
             return Never::Standby.broken(format!("all is mended, and it is in {:?}", self.bench.status()));
         }
         Ok(())
@@ -74,7 +74,7 @@ impl World {
     /// drive checks whether its flash is back.
     fn store(&mut self) -> Checked {
         let absent = |world: &Self| world.bench.status().faults.contains(FaultWord::STORE_ABSENT);
-        let until = self.ticks + self.ticks_in(REST);
+        let until = self.ticks + self.ticks_in(LONGEST);
         while absent(self) && self.ticks < until {
             self.tick()?;
         }
@@ -115,7 +115,7 @@ impl World {
             // The set that one write has completed may bring a fault, in which nothing is written until the
             // rotor is known to stand.
             Err((Never::Answers, _)) if self.bench.status().state == State::Fault => {
-                self.until(REST, |status| status.standstill)?;
+                self.until(LONGEST, |status| status.standstill)?;
                 self.ask(request)?;
             }
             asked => asked?,
