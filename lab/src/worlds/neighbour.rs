@@ -3,13 +3,14 @@
 
 use super::mishap::Fate;
 use super::never::{Checked, Watch};
+use super::world::{Setting, master};
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::MotorMode;
-use narx_core::commissioning::{Mode, Nameplate};
+use narx_core::commissioning::{Commissioning, Mode};
 use narx_core::dictionary::{Access, Parameters, number};
 use narx_core::master::Master;
-use narx_core::motor::{Board, State, Status};
-use narx_sim::bench::{Bench, BenchConfig};
+use narx_core::motor::{State, Status};
+use narx_sim::bench::Bench;
 use narx_sim::can::Received;
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
@@ -27,15 +28,13 @@ pub(super) const PEACE: f64 = 20.0;
 
 /// The second drive with its operator.
 pub(super) struct Neighbour {
-    config: BenchConfig,
-    /// Slowest and fastest speed, rpm.
-    speeds: (f64, f64),
+    setting: Setting,
     fate: Fate,
     bench: Bench,
     master: Master,
     watch: Watch,
-    /// Of the PWM, microseconds.
-    period: u64,
+    /// Largest phase current so far, A.
+    peak: f64,
     /// Tick of the next command.
     due: u64,
     ticks: u64,
@@ -55,46 +54,34 @@ impl Neighbour {
             return None;
         }
         let preset = &PRESETS[fate.below(PRESETS.len())];
-        let board = Board::BENCH.at_rate((1_000_000 / period) as u32)?;
         let supply = preset.data.nominal_voltage.clamp(20.0, 55.0);
-        let plate = Nameplate {
-            motor: preset.motor.figures(),
-            rated_current: preset.data.rated_current,
-            supply,
-            open_loop_speed: None,
-        };
-        let commissioning = plate.commission_on(&board, Mode::Hall, None).ok()?;
-        let mut parameters = commissioning.parameters.clone();
-        parameters.set(number::SLAVE_CAN_ADDRESS, ADDRESS).ok()?;
-        let plant = PlantConfig { board, seed, ..PlantConfig::new(preset.motor, supply) };
-        let config =
-            BenchConfig { plant, parameters, label: format!("second of world {seed}"), trace: false };
-        let mut bench = Bench::new(&config).without_recording();
+        let mut setting = Setting::of(preset, Mode::Hall, supply, period, seed)?;
+        setting.config.parameters.set(number::SLAVE_CAN_ADDRESS, ADDRESS).ok()?;
+        let mut bench = Bench::new(&setting.config).without_recording();
         if !bench.move_beside(first) {
             return None;
         }
         Some(Self {
-            master: super::world::master(&bench),
-            speeds: (commissioning.speed_min, commissioning.speed_max),
+            master: master(&bench),
             watch: Watch::default(),
             due: 0,
             ticks: 0,
             driven: 0,
             peace: None,
-            config,
+            peak: 0.0,
+            setting,
             fate,
             bench,
-            period,
         })
     }
 
     /// Powers it up again, beside a first drive that has just been powered up: both have the same supply.
     pub(super) fn power_up(&mut self, first: &mut Bench) {
-        let flash = std::mem::replace(&mut self.bench, Bench::new(&self.config)).into_flash();
-        self.bench = Bench::with_flash(&self.config, flash).without_recording();
+        let flash = std::mem::replace(&mut self.bench, Bench::new(&self.setting.config)).into_flash();
+        self.bench = Bench::with_flash(&self.setting.config, flash).without_recording();
         // There was a place for it on a bus of the same size.
         let _ = self.bench.move_beside(first);
-        self.master = super::world::master(&self.bench);
+        self.master = master(&self.bench);
         self.watch.begin_anew();
         (self.ticks, self.due) = (0, 0);
     }
@@ -107,40 +94,43 @@ impl Neighbour {
         }
         self.send(first, silent);
         self.bench.step_beside(first);
-        self.driven += if self.bench.status().state.is_driving() { self.period } else { 0 };
-        self.watch.tick(&self.bench, self.period)?;
-        let PlantConfig { motor, inverter, .. } = &self.config.plant;
-        let peak = self.bench.plant().observe().peak_current;
-        Watch::physics(&self.bench, 0.5 * motor.inductance * peak * peak, inverter.capacitance)
+        self.driven += if self.bench.status().state.is_driving() { self.setting.period } else { 0 };
+        self.watch.tick(&self.bench, self.setting.period)?;
+        self.peak = self.peak.max(self.bench.plant().observe().peak_current);
+        let PlantConfig { motor, inverter, .. } = &self.setting.config.plant;
+        let stored = 0.5 * motor.inductance * self.peak * self.peak;
+        Watch::physics(&self.bench, stored, inverter.capacitance)
     }
 
     /// The next command: a start, another speed, or Standby, which acknowledges a fault.
     fn command(&mut self) {
-        let pause = if self.peace.is_some() { PAUSE.0 } else { self.fate.between(PAUSE.0, PAUSE.1) };
-        self.due = self.ticks + (pause * 1e6) as u64 / self.period;
-        let state = self.bench.status().state;
-        if let Some(rpm) = self.peace {
-            match state {
-                State::Standby if self.master.requested() == Some(MotorMode::Standby) => {
-                    self.master.start(rpm as i32);
-                }
-                state if state.is_driving() => self.master.set_speed(rpm as u16),
-                _ => self.master.stop(),
+        let (rpm, pause) = match self.peace {
+            Some(rpm) => (rpm, PAUSE.0),
+            None => {
+                let Commissioning { speed_min, speed_max, .. } = self.setting.commissioning;
+                let rpm = self.fate.between(speed_min, speed_max);
+                let sign = if self.fate.chance(0.5) { 1.0 } else { -1.0 };
+                (sign * rpm, self.fate.between(PAUSE.0, PAUSE.1))
             }
-            return;
-        }
-        let rpm = self.fate.between(self.speeds.0, self.speeds.1);
-        match state {
-            State::Standby => self.master.start(if self.fate.chance(0.5) { rpm } else { -rpm } as i32),
-            state if state.is_driving() && self.fate.chance(0.5) => self.master.set_speed(rpm as u16),
+        };
+        self.due = self.ticks + (pause * 1e6) as u64 / self.setting.period;
+        // A start needs a request for Standby before it.
+        let is_ready = self.master.requested() == Some(MotorMode::Standby);
+        match self.bench.status().state {
+            State::Standby if is_ready => self.master.start(rpm as i32),
+            state if state.is_driving() && (self.peace.is_some() || self.fate.chance(0.5)) => {
+                self.master.set_speed(rpm.abs() as u16);
+            }
             _ => self.master.stop(),
         }
     }
 
     /// There are no more mishaps: from now on it is asked to turn forward at a speed in the middle.
     pub(super) fn make_peace(&mut self) {
+        let Commissioning { speed_min, speed_max, .. } = self.setting.commissioning;
+        let middle = 0.5 * (speed_min + speed_max);
         self.master.stop();
-        (self.peace, self.due) = (Some(0.5 * (self.speeds.0 + self.speeds.1)), 0);
+        (self.peace, self.due) = (Some(middle), 0);
     }
 
     /// Returns whether it turns as it was asked to in peace.
@@ -183,8 +173,8 @@ impl Neighbour {
     /// Returns whether somebody has written one of its parameters: then it need not turn.
     pub(super) fn is_changed(&self) -> bool {
         let now: &Parameters = self.bench.node().parameters();
-        self.config
-            .parameters
+        let commissioned = &self.setting.config.parameters;
+        commissioned
             .iter()
             .any(|(row, raw)| row.access != Access::ReadOnly && !row.command && now.raw(row.number) != raw)
     }

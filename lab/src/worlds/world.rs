@@ -11,7 +11,7 @@ use narx_core::motor::{Board, State};
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
 use narx_sim::plant::{Injection, LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
-use narx_sim::presets::PRESETS;
+use narx_sim::presets::{PRESETS, Preset};
 use narx_sim::random::Random;
 use std::collections::hash_map::DefaultHasher;
 use std::fmt;
@@ -468,14 +468,7 @@ impl Setting {
         let mode = Mode::ALL[fate.below(Mode::ALL.len())];
         let supply = fate.between(20.0, 58.0);
         let period = PERIODS[fate.below(PERIODS.len())];
-        let board = Board::BENCH.at_rate((1_000_000 / period) as u32)?;
-        let plate = Nameplate {
-            motor: preset.motor.figures(),
-            rated_current: preset.data.rated_current,
-            supply,
-            open_loop_speed: None,
-        };
-        let commissioning = plate.commission_on(&board, mode, None).ok()?;
+        let mut setting = Self::of(preset, mode, supply, period, seed)?;
         let sheet = &preset.motor;
         let motor = MotorConfig {
             inertia: sheet.inertia * fate.between(0.7, 2.0),
@@ -484,9 +477,22 @@ impl Setting {
             torque_constant: sheet.torque_constant * fate.between(0.9, 1.05),
             ..*sheet
         };
-        let mut plant = PlantConfig { board, ..PlantConfig::new(motor, supply) };
-        plant.angle_deg = fate.between(0.0, 360.0);
-        plant.seed = seed;
+        let plant = &mut setting.config.plant;
+        (plant.motor, plant.angle_deg) = (motor, fate.between(0.0, 360.0));
+        Some(setting)
+    }
+
+    /// Builds the drive of a motor as in its data sheet; nothing if it cannot be commissioned.
+    pub(super) fn of(preset: &Preset, mode: Mode, supply: f64, period: u64, seed: u64) -> Option<Self> {
+        let board = Board::BENCH.at_rate((1_000_000 / period) as u32)?;
+        let plate = Nameplate {
+            motor: preset.motor.figures(),
+            rated_current: preset.data.rated_current,
+            supply,
+            open_loop_speed: None,
+        };
+        let commissioning = plate.commission_on(&board, mode, None).ok()?;
+        let plant = PlantConfig { board, seed, ..PlantConfig::new(preset.motor, supply) };
         let parameters = commissioning.parameters.clone();
         let label = format!("world {seed}");
         let config = BenchConfig { plant, parameters, label, trace: false };
