@@ -2,7 +2,7 @@
 
 #include "narx.h"
 
-#if NARX_COEFFICIENTS_VERSION != 14
+#if NARX_COEFFICIENTS_VERSION != 15
 #error "these coefficients were made for another version of narx: make them again"
 #endif
 

@@ -64,7 +64,7 @@
 
 /// Rises whenever coefficients of an earlier library would be wrong for this one: what `narx coefficients`
 /// prints compares it.
-#define NARX_COEFFICIENTS_VERSION 14
+#define NARX_COEFFICIENTS_VERSION 15
 
 /// Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2

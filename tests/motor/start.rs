@@ -45,6 +45,22 @@ fn a_rotor_that_coasts_for_a_revolution_unseen_is_led_on() {
     }
 }
 
+/// On a high supply at a high PWM rate the first steps need less duty than the shortest pulse. Every preset
+/// starts at once: the few pulses are sampled in their middle.
+#[test]
+fn presets_start_by_pulses_longer_than_was_asked_for() {
+    for rate in [40_000, 50_000] {
+        let board = Board::BENCH.at_rate(rate).unwrap();
+        let late = map(&PRESETS.iter().collect::<Vec<_>>(), |preset| {
+            let point = Point { board, preset, mode: Mode::Sensorless, supply: 57.0, load: 0.0, rpm: None };
+            let run = point.run().map_or_else(|why| why, |run| format!("{:.3}", run.to_closed_loop));
+            let soon = run.parse().is_ok_and(|seconds: f64| seconds < 0.25);
+            (!soon).then(|| format!("{} at {rate} Hz: {run}", preset.name))
+        });
+        assert_eq!(late.into_iter().flatten().collect::<Vec<_>>(), Vec::<String>::new());
+    }
+}
+
 /// Parameter 84 is in per cent of the nominal voltage: a motor that was brought up without sensors goes on in
 /// closed loop from that voltage, and with 0 from its present voltage. In both cases it reaches its
 /// set-point.

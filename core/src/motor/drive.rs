@@ -90,7 +90,7 @@ pub struct Drive {
     lock: Ramp,
     calibrator: HallCalibrator,
     calibration: HallCalibration,
-    /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
+    /// Pulse from which the on-time is sampled, and below which the off-time is, raw U1F15.
     on_time: (u16, u16),
     tasks: Tasks,
     /// The demand and step that are repeated until the stations are asked again.

@@ -46,7 +46,21 @@ const LONG: [&str; 6] = [
 ];
 
 /// All areas.
-pub(super) const AREAS: [Area; 5] = [
+pub(super) const AREAS: [Area; 6] = [
+    Area {
+        name: "tick",
+        what: "control tick: measurement, rotor, control, commutation",
+        package: "narx-core",
+        files: &[
+            "core/src/motor/{band,clock,drive,gain,interval,ramp,rotor,signal}.rs",
+            "core/src/motor/{commutate,drive,rotor,sense}/**/*.rs",
+            "core/src/motor/control.rs",
+            "core/src/motor/control/{coast,pi,steady}.rs",
+            "core/src/motor/guard/{open_phase,rails}.rs",
+        ],
+        quick: quick(&["replay"], ""),
+        long: Some(Tests { timeout: "120", ..quick(&["machine", "drive"], "bench") }),
+    },
     Area {
         name: "machine",
         what: "state machine, faults, protection",

@@ -26,7 +26,7 @@ const VERSION: &str = "27.1.0";
 /// Selection of mutants.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Areas to mutate; without a name all of them: machine, boot, storage, narmotion, eddycan
+    /// Areas to mutate; without a name all of them: tick, machine, boot, storage, narmotion, eddycan
     areas: Vec<String>,
     /// Run a part of an area's mutants: 0/4 is the first quarter
     #[arg(long)]
@@ -259,7 +259,7 @@ mod tests {
     fn an_area_that_is_not_there_is_named_with_those_that_are() {
         let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let error = chosen(&names(&["boot", "shell"])).err().unwrap();
-        assert_eq!(error, "no area \"shell\"; there are machine boot storage narmotion eddycan");
+        assert_eq!(error, "no area \"shell\"; there are tick machine boot storage narmotion eddycan");
         assert_eq!(chosen(&[]).unwrap().len(), AREAS.len());
         assert_eq!(chosen(&names(&["boot"])).unwrap()[0].name, "boot");
     }

@@ -12,7 +12,6 @@ use crate::motor::rotor::hall_calibration::HallCalibrator;
 use crate::motor::rotor::sensorless::Plan;
 use crate::motor::rotor::{Position, Source};
 use crate::motor::sense::samples::{SampleMode, Samples};
-use crate::units::Duty;
 use serde::{Deserialize, Serialize};
 
 /// The bridge's orders until the stations are asked again.
@@ -164,20 +163,21 @@ impl Drive {
         }
         let c = &self.coefficients.control;
         let pulse = self.pulses.next(duty.to_bits(), c.duty_min, self.control.lost_duty(c));
-        (self.applied.sample_at, self.applied.sample_mode) = self.sampling(duty.to_bits(), pulse);
+        (self.applied.sample_at, self.applied.sample_mode) = self.sampling(duty.to_bits(), pulse.to_bits());
         (self.applied.duty, self.applied.rectification) = (pulse, rectification);
     }
 
     /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle: from an
-    /// eighth above that limit on, and down to it. Below, where some periods have no pulse, the off-time is
-    /// sampled.
+    /// eighth above that limit on, and down to it. So is one that is longer than was asked for, because
+    /// periods without a pulse make up for it. All else is sampled in the off-time.
     #[inline]
-    fn sampling(&self, duty: u16, pulse: Duty) -> (u16, SampleMode) {
+    fn sampling(&self, duty: u16, pulse: u16) -> (u16, SampleMode) {
         let (begins, lasts) = self.on_time;
-        if duty >= begins || (duty >= lasts && self.applied.sample_mode == SampleMode::OnTime) {
+        let stays = pulse > duty || self.applied.sample_mode == SampleMode::OnTime;
+        if pulse >= if stays { lasts } else { begins } {
             (0, SampleMode::OnTime)
         } else {
-            (self.after_pulse(pulse.to_bits()), SampleMode::OffTime)
+            (self.after_pulse(pulse), SampleMode::OffTime)
         }
     }
 
@@ -189,7 +189,7 @@ impl Drive {
     }
 }
 
-/// Duties from which the on-time is sampled, and below which the off-time is, raw U1F15.
+/// Pulses from which the on-time is sampled, and below which the off-time is, raw U1F15.
 pub(super) fn sampling_limits(source: Source, c: &Coefficients) -> (u16, u16) {
     if matches!(source, Source::Halls | Source::Field) {
         // Without an eye on back-EMF there is no need to go that far.

@@ -195,6 +195,8 @@ impl Sensorless {
     ) -> End {
         if self.back_emf.coasts() {
             self.listening.reset(now);
+            // What is overdue is told from the angle now: the rotor may have turned by more than half a turn.
+            self.estimator.pass(now);
         }
         let accelerates = self.phase == Phase::Kick;
         let point = OperatingPoint { torque, interval: self.estimator.expected(), accelerates };

@@ -260,7 +260,11 @@ impl ZeroCrossing {
 
     /// The rotor was at `place` `age` ago.
     fn accept(&mut self, place: u8, age: i32, why: Why) {
-        let twelfths = self.twelfths_to(place);
+        let mut twelfths = self.twelfths_to(place);
+        // With a phase open the coasting motor shows one place a revolution, always the same.
+        if twelfths == 0 && why == Why::Listened && self.since > self.interval.saturating_mul(3) {
+            twelfths = 12;
+        }
         // After a revolution without a crossing that was seen the places no longer tell how far it has
         // turned.
         if self.hidden() || self.blind.saturating_add(self.late) >= REVOLUTION {
