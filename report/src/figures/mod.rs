@@ -223,14 +223,16 @@ pub fn machine() -> String {
 }
 
 /// Commit that is checked out, with `-dirty` if files were changed since; `unknown` outside a Git repository.
+/// Files in `docs/evidence` do not count: the figures themselves are written there.
 pub fn commit(root: &Path) -> String {
-    let told = Command::new("git")
-        // Without tags: `git checkout` accepts a hash on every clone.
-        .args(["describe", "--always", "--dirty", "--exclude", "*", "--abbrev=12"])
-        .current_dir(root)
-        .output();
-    match told {
-        Ok(told) if told.status.success() => String::from_utf8_lossy(&told.stdout).trim().to_owned(),
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).current_dir(root).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let head = git(&["rev-parse", "--short=12", "HEAD"]);
+    let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs/evidence"]);
+    match (head, changed) {
+        (Some(head), Some(changed)) => head + if changed.is_empty() { "" } else { "-dirty" },
         _ => "unknown".into(),
     }
 }
@@ -238,6 +240,31 @@ pub fn commit(root: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A long run goes on from its own figures, and commands that measure follow each other.
+    #[test]
+    fn figures_do_not_make_a_commit_dirty() {
+        let root = std::env::temp_dir().join(format!("narx-commit-{}", std::process::id()));
+        let git = |arguments: &[&str]| {
+            let identity = ["-c", "user.name=narx", "-c", "user.email=narx@example.com"];
+            let status = Command::new("git").args(identity).args(arguments).current_dir(&root).status();
+            assert!(status.unwrap().success(), "{arguments:?}");
+        };
+        fs::create_dir_all(root.join("docs/evidence")).unwrap();
+        let write = |name: &str, text: &str| fs::write(root.join(name), text).unwrap();
+        write("docs/evidence/figures.json", "1");
+        write("code.rs", "1");
+        git(&["init", "--quiet"]);
+        git(&["add", "."]);
+        git(&["commit", "--quiet", "--message", "first"]);
+        let clean = commit(&root);
+        assert_eq!(clean.len(), 12, "{clean}");
+        write("docs/evidence/figures.json", "2");
+        assert_eq!(commit(&root), clean);
+        write("code.rs", "2");
+        assert_eq!(commit(&root), format!("{clean}-dirty"));
+        fs::remove_dir_all(&root).unwrap();
+    }
 
     #[test]
     fn a_report_is_read_as_it_was_written() {
