@@ -168,8 +168,9 @@ impl Drive {
     }
 
     /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle: from an
-    /// eighth above that limit on, and down to it. So is one that is longer than was asked for, because
-    /// periods without a pulse make up for it. All else is sampled in the off-time.
+    /// eighth above that limit on, and down to it. A duty below the shortest pulse is given as such pulses in
+    /// some periods (`pulse > duty`); these are sampled in their middle, too. All else is sampled in the
+    /// off-time.
     #[inline]
     fn sampling(&self, duty: u16, pulse: u16) -> (u16, SampleMode) {
         let (begins, lasts) = self.on_time;

@@ -195,7 +195,7 @@ impl Sensorless {
     ) -> End {
         if self.back_emf.coasts() {
             self.listening.reset(now);
-            // What is overdue is told from the angle now: the rotor may have turned by more than half a turn.
+            // A crossing is expected within half a turn of the angle, which must be this tick's.
             self.estimator.pass(now);
         }
         let accelerates = self.phase == Phase::Kick;

@@ -261,7 +261,8 @@ impl ZeroCrossing {
     /// The rotor was at `place` `age` ago.
     fn accept(&mut self, place: u8, age: i32, why: Why) {
         let mut twelfths = self.twelfths_to(place);
-        // With a phase open the coasting motor shows one place a revolution, always the same.
+        // The same place again, more than half a revolution (three sectors) later, is a whole revolution:
+        // with a phase open the coasting motor shows no other place.
         if twelfths == 0 && why == Why::Listened && self.since > self.interval.saturating_mul(3) {
             twelfths = 12;
         }
